@@ -13,7 +13,7 @@ from analysis.cholesky import factor, solve
 from analysis.compiled import compiled, part
 from analysis.motion.drift import Drift
 from analysis.motion.rotation import rotation_vector
-from analysis.motion.turning import turn_between, turned
+from analysis.motion.turning import turn_between, turn_slopes, turned
 
 ITERATIONS, SETTLED_RAD = 8, 1e-10
 HUBER_LIMIT = 3.0
@@ -42,9 +42,10 @@ def fit_spin(times_s: Floats, rotations: Floats, covariances: Floats, drift: Dri
     """Fit a constant angular velocity to the orientations of one side.
 
     Gauss-Newton for R(t) = exp([w] (t - t0)) exp([d]) R0, residuals being rotation vectors of
-    R_observed R_predicted', whitened, with Huber weights. A free sphere has no torque on it but
-    that of the air, which is negligible here. The covariance is enlarged where the residuals
-    contradict their stated errors (`birge.variance_ratio`).
+    R_observed R_predicted', whitened, with Huber weights. A small turn d is seen turned with the
+    sphere, so that slopes change along a flight (`turning.turn_slopes`). A free sphere has no
+    torque on it but that of the air, which is negligible here. The covariance is enlarged where the
+    residuals contradict their stated errors (`birge.variance_ratio`).
 
     Parameters
     ----------
@@ -66,7 +67,7 @@ def fit_spin(times_s: Floats, rotations: Floats, covariances: Floats, drift: Dri
     omega = np.median(steps / np.diff(times_s)[:, None], axis=0)
     start = turned(-omega * tau[middle], start)
     inverse, squares, weight = settle_spin((tau, rotations, whiten), start, omega)
-    jacobian = np.concatenate([whiten, whiten * tau[:, None, None]], axis=2)
+    jacobian = whiten @ np.array([turn_slopes(omega, time) for time in tau])
     across = jacobian.transpose(0, 2, 1)
     freedom = 3 * len(tau) - 6
     chi2 = float(squares.sum() / freedom) if freedom else float("nan")
@@ -97,7 +98,7 @@ def settle_spin(
     """
     tau, rotations, whiten = seen
     inverse, squares, weight = np.zeros((6, 6)), np.zeros(tau.size), np.ones(tau.size)
-    row, step, turn = np.empty(6), np.empty(6), np.empty(3)
+    step, turn = np.empty(6), np.empty(3)
     for _ in range(ITERATIONS):
         normal, right = np.zeros((6, 6)), np.zeros(6)
         longest = 0.0
@@ -112,9 +113,12 @@ def settle_spin(
                     white[a] += whiten[n, a, b] * residual[b]
             squares[n] = white[0] ** 2 + white[1] ** 2 + white[2] ** 2
             weight[n] = min(1.0, HUBER_LIMIT / math.sqrt(max(squares[n], 1e-12)))
+            slopes = turn_slopes(omega, tau[n])
             for a in range(3):
-                for b in range(3):
-                    row[b], row[3 + b] = whiten[n, a, b], whiten[n, a, b] * tau[n]
+                row = np.zeros(6)
+                for p in range(6):
+                    for b in range(3):
+                        row[p] += whiten[n, a, b] * slopes[b, p]
                 for p in range(6):
                     right[p] += weight[n] * row[p] * white[a]
                     for q in range(p + 1):

@@ -28,6 +28,38 @@ def turned(vector: Floats, rotation: Floats) -> Floats:
 
 
 @compiled
+def turn_slopes(spin: Floats, time_s: float) -> Floats:
+    """Return how an orientation turns with its start's small turn and with its spin, shape (3, 6).
+
+    Of exp([spin] time) exp([d]) R0 as a small rotation vector in rig axes: by d, rad, in the first
+    three columns, by the spin, rad/s, in the others (left Jacobian of the exponential map,
+    G. S. Chirikjian, Stochastic Models, Information Theory, and Lie Groups 2 (2012), section 10.8).
+
+    Parameters
+    ----------
+    spin
+        rad/s, shape (3,).
+    """
+    turn = spin * time_s
+    square = turn[0] ** 2 + turn[1] ** 2 + turn[2] ** 2
+    angle = math.sqrt(square)
+    two, three = 0.5 - square / 24, 1 / 6 - square / 120
+    if angle > 1e-3:
+        two = (1 - math.cos(angle)) / square
+        three = (angle - math.sin(angle)) / (angle * square)
+    slopes = np.zeros((3, 6))
+    slopes[:, :3] = turned(turn, np.eye(3))
+    for a in range(3):
+        b, c = (a + 1) % 3, (a + 2) % 3
+        for k in range(3):
+            slopes[a, 3 + k] = time_s * three * turn[a] * turn[k]
+        slopes[a, 3 + a] += time_s * (1 - three * square)
+        slopes[a, 3 + b] -= time_s * two * turn[c]
+        slopes[a, 3 + c] += time_s * two * turn[b]
+    return slopes
+
+
+@compiled
 def turn_between(first: Floats, second: Floats) -> Floats:
     """Return axis times angle, radians, of the turn that takes one rotation to another, shape (3,).
 

@@ -28,7 +28,7 @@ from analysis.motion.rotation import rotation_vector
 from analysis.motion.slow_evidence import Evidence, slow_size
 from analysis.motion.spin import fit_spin
 from analysis.motion.split import split_at_contact
-from analysis.motion.turning import turned
+from analysis.motion.turning import turn_slopes, turned
 from analysis.motion.velocity import DOWN
 from analysis.photometric.birge_ratio import birge_ratios
 from analysis.photometric.follow.film import Film
@@ -176,7 +176,7 @@ def _turns(own: Orientations, side: Side, times_s: Floats, unit: Drift) -> tuple
     left = rotation_vector(rotation @ expected.swapaxes(1, 2))
     return _independent(
         left.ravel(),
-        _each_axis(np.stack([np.ones_like(tau), tau], axis=1)),
+        np.concatenate([turn_slopes(spin, t - tau[middle]) for t in tau]),
         np.sqrt(np.einsum("nii->ni", covariance)).ravel(),
         _each_axis(unit.covariance(times)),
     )

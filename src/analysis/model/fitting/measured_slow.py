@@ -1,10 +1,10 @@
 """How large the slow errors of a campaign's poses are, from all its flights, before any fit.
 
 Where spheres are learned, few films say how large they are (`photometric.slow_size`): six of them
-to a third. All flights of a campaign determine it to a tenth. Lines in free flight, with a
-drag of the air and a constant spin, are taken out of each flight, and what is left is seen in the
-next polynomials of time: fresh errors have unit variance there, slow ones a gain that follows from
-how long they last. No law of contact enters.
+to a third. All flights of a campaign determine it to a tenth. Lines in free flight, with a drag of
+the air, and a constant spin are taken out of each flight, and what is left is seen in the next
+polynomials of time, of turns in what no start and no spin make: fresh errors have unit variance
+there, slow ones a gain that follows from how long they last. No law of contact enters.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from analysis.model.data.stream import CampaignData, PoseStream
 from analysis.model.data.tables import ContactTable, Data
 from analysis.model.predict.start import first_states, median_spin
 from analysis.motion.drift import correlation_times
+from analysis.motion.exponential import exponential
 from analysis.motion.rotation import rotation_matrix, rotation_vector
 from analysis.motion.slow_evidence import Evidence, slow_size
 
@@ -32,8 +33,10 @@ DEGREE = 6
 """Of the polynomials, the highest."""
 BENT, STRAIGHT = 3, 2
 """Polynomials that a free flight takes of places (a line and the drag's bend), and of turns."""
+SPUN = 6
+"""Numbers of a flight's turns: an orientation and a spin."""
 LEAST_FRAMES = DEGREE + 3
-ROUNDS = 3
+ROUNDS = 5
 """Of the fit of a constant spin, from the median of the turns from frame to frame on."""
 
 
@@ -98,28 +101,62 @@ def _of_flights(
     place = np.where(seen, 2.0 * (tau - first) / (last - first) - 1.0, 0.0)
     functions = np.polynomial.legendre.legvander(place, DEGREE)
     left, spin = _turns(data.rotation[shots, :, sphere], tau, seen, first_spin)
-    turn_sigma = np.repeat(data.rotation_sigma[shots, :, sphere, None], 3, axis=2)
     fallen = data.position[shots, :, sphere].copy()
     fallen[..., 0] -= 0.5 * data.gravity * tau**2
     lasting_s = correlation_times(data.slow.memory_rad, np.linalg.norm(spin, axis=1))
     apart = np.abs(tau[:, :, None] - tau[:, None, :])
     lasting = np.exp(-apart / lasting_s[:, None, None])
+    gains: list[Floats] = []
+    squares: list[Floats] = []
     place_sigma = data.position_sigma[shots, :, sphere]
-    gains, squares = [], []
-    for values, sigma, size, taken in (
-        (fallen, place_sigma, data.slow.position_m, BENT),
-        (left, turn_sigma, data.slow.rotation_rad, STRAIGHT),
-    ):
-        for axis in range(3):
-            weight = np.where(seen, 1.0 / np.where(seen, sigma[..., axis], 1.0), 0.0)
-            basis = np.linalg.qr(functions * weight[..., None])[0][..., taken:]
-            across = np.swapaxes(basis, 1, 2)
-            slow = (size * weight)[..., None] * basis
-            spread, vectors = np.linalg.eigh(np.swapaxes(slow, 1, 2) @ lasting @ slow)
-            found = across @ (np.where(seen, values[..., axis], 0.0) * weight)[..., None]
-            squares.append((np.swapaxes(vectors, 1, 2) @ found)[..., 0] ** 2)
-            gains.append(np.maximum(spread, 0.0))
+    for axis in range(3):
+        weight = _weights(place_sigma[..., axis], seen)
+        basis = np.linalg.qr(functions * weight[..., None])[0][..., BENT:]
+        values = (fallen[..., axis] * weight)[..., None]
+        _add(gains, squares, basis, (values, weight[..., None], data.slow.position_m), lasting)
+    weight = np.repeat(_weights(data.rotation_sigma[shots, :, sphere], seen)[..., None], 3, axis=2)
+    bent = np.kron(functions[..., STRAIGHT:], np.eye(3)).reshape(*left.shape, -1)
+    columns = np.concatenate([_slopes(spin, tau), bent], axis=3) * weight[..., None]
+    basis = np.linalg.qr(columns.reshape(len(shots), -1, columns.shape[3]))[0][..., SPUN:]
+    _add(gains, squares, basis, (left * weight, weight, data.slow.rotation_rad), lasting)
     return np.concatenate(gains, axis=1), np.concatenate(squares, axis=1)
+
+
+def _weights(sigma: Floats, seen: NDArray[np.bool_]) -> Floats:
+    return np.where(seen, 1.0 / np.where(seen, sigma, 1.0), 0.0)
+
+
+def _add(
+    gains: list[Floats],
+    squares: list[Floats],
+    basis: Floats,
+    measured: tuple[Floats, Floats, float],
+    lasting: Floats,
+) -> None:
+    """Add what some directions of each flight hold, turned to independent numbers.
+
+    Parameters
+    ----------
+    basis
+        Orthonormal directions, shape (N, F A, K), of A axes in each frame.
+    measured
+        Whitened values and their weights, shape (N, F, A), and the size of the slow error.
+    lasting
+        Correlation of slow errors between frames, shape (N, F, F).
+    """
+    values, weight, size = measured
+    slow = size * weight[..., None] * basis.reshape(*weight.shape, -1)
+    carried = np.einsum("nfg,ngak->nfak", lasting, slow, optimize=True).reshape(basis.shape)
+    spread, vectors = np.linalg.eigh(np.swapaxes(slow.reshape(basis.shape), 1, 2) @ carried)
+    found = np.swapaxes(basis, 1, 2) @ values.reshape(len(basis), -1, 1)
+    squares.append((np.swapaxes(vectors, 1, 2) @ found)[..., 0] ** 2)
+    gains.append(np.maximum(spread, 0.0))
+
+
+def _slopes(spin: Floats, since: Floats) -> Floats:
+    """Return slopes of turns by a start's small turn and by the spin, shape (N, F, 3, 6)."""
+    turned, jacobian = exponential(spin[:, None] * since[..., None])
+    return np.concatenate([turned, since[..., None, None] * jacobian], axis=3)
 
 
 def _turns(
@@ -132,15 +169,14 @@ def _turns(
     middle = (tau * seen).sum(axis=1) / seen.sum(axis=1)
     nearest = np.where(seen, np.abs(tau - middle[:, None]), np.inf).argmin(axis=1)
     rows = np.arange(len(tau))
-    start, since = rotation[rows, nearest], tau - tau[rows, nearest][:, None]
-    count, ones = seen.sum(axis=1), seen[..., None]
-    mean = (since * seen).sum(axis=1) / count
-    about = np.where(seen, since - mean[:, None], 0.0)
+    at_middle, since = rotation[rows, nearest], tau - middle[:, None]
+    start = rotation_matrix(-spin * since[rows, nearest][:, None]) @ at_middle
+    ones = seen[..., None]
     for _ in range(ROUNDS):
         expected = rotation_matrix(spin[:, None] * since[..., None]) @ start[:, None]
         left = np.where(ones, rotation_vector(rotation @ np.swapaxes(expected, 2, 3)), 0.0)
-        rate = (about[..., None] * left).sum(axis=1) / (about**2).sum(axis=1)[:, None]
-        offset = left.sum(axis=1) / count[:, None] - rate * mean[:, None]
-        start = rotation_matrix(offset) @ start
-        spin = (rotation_matrix(offset) @ spin[..., None])[..., 0] + rate
+        columns = (_slopes(spin, since) * ones[..., None]).reshape(len(tau), -1, SPUN)
+        across = np.swapaxes(columns, 1, 2)
+        step = np.linalg.solve(across @ columns, across @ left.reshape(len(tau), -1, 1))[..., 0]
+        start, spin = rotation_matrix(step[:, :3]) @ start, spin + step[:, 3:]
     return left, spin

@@ -19,9 +19,12 @@ TURN_PER_M = 1.5 / RADIUS
 MEMORY_RAD = 0.3
 
 
-def filmed(shots: int, true_m: float, stated_m: float) -> PoseData:
+def filmed(
+    shots: int, true_m: float, stated_m: float, *, interval_s: float = 1e-3
+) -> PoseData:
     """Return a campaign with slow errors that forget themselves while a sphere turns by 0.3 rad."""
-    data = campaign(shots, 51, position_sigma=2e-6, rotation_sigma=4e-4)
+    noise = {"position_sigma": 2e-6, "rotation_sigma": 4e-4}
+    data = campaign(shots, 51, interval_s=interval_s, **noise)
     rng = np.random.default_rng(52)
     places = np.zeros_like(data.position)
     turns = np.zeros_like(data.position)
@@ -44,6 +47,16 @@ def test_forty_shots_find_the_size_whatever_is_stated(stated: float) -> None:
     found = with_measured_slow_errors(filmed(40, TRUE_M, stated_m)).slow
     assert found.position_m == pytest.approx(TRUE_M, rel=0.2)
     assert found.rotation_rad == pytest.approx(TURN_PER_M * found.position_m)
+
+
+def test_spheres_that_turn_by_several_radians_in_a_flight_show_the_size_too() -> None:
+    data = filmed(40, TRUE_M, TRUE_M, interval_s=6e-3)
+    steps = Rotation.from_matrix(
+        (data.rotation[:, 1] @ np.swapaxes(data.rotation[:, 0], 2, 3)).reshape(-1, 3, 3)
+    ).magnitude()
+    assert np.quantile(steps, 0.9) * data.times_s.shape[1] / 2 > 6.0  # rad in half of a film
+    found = with_measured_slow_errors(data).slow
+    assert found.position_m == pytest.approx(TRUE_M, rel=0.2)
 
 
 def test_what_all_flights_share_stays_as_it_is_stated() -> None:

@@ -3,7 +3,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from analysis.motion.turning import turn_between, turned
+from analysis.motion.turning import turn_between, turn_slopes, turned
 
 component = st.floats(-3.0, 3.0)
 vectors = st.tuples(component, component, component).map(np.array)
@@ -35,3 +35,17 @@ def test_half_a_turn_has_its_axis_up_to_its_sign() -> None:
 
 def test_no_turn_is_no_vector() -> None:
     np.testing.assert_array_equal(turn_between(np.eye(3), np.eye(3)), np.zeros(3))
+
+
+spins = vectors.map(lambda vector: 20.0 * vector)
+
+
+@given(spins, st.floats(-0.05, 0.05))
+def test_slopes_of_a_turn_are_differences_of_turns(spin, time_s) -> None:
+    def orientation(numbers: np.ndarray) -> Rotation:
+        start, change = numbers[:3], numbers[3:]
+        return Rotation.from_rotvec((spin + change) * time_s) * Rotation.from_rotvec(start)
+
+    middle, step = orientation(np.zeros(6)), 1e-6
+    steps = [(orientation(step * row) * middle.inv()).as_rotvec() / step for row in np.eye(6)]
+    np.testing.assert_allclose(turn_slopes(spin, time_s), np.transpose(steps), atol=1e-5)

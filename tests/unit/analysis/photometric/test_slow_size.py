@@ -70,16 +70,16 @@ def film(seed: int, slow_px: float, frames: int = 60, drag_per_m: float = 0.0) -
 
 @pytest.mark.parametrize("slow_px", [0.0012, 0.004, 0.012])
 def test_the_size_that_was_laid_on_the_poses_is_found(slow_px: float) -> None:
-    found = slow_size_px([film(seed, slow_px) for seed in range(12)])
+    found = slow_size_px([film(seed, slow_px) for seed in range(24)])
     assert found == pytest.approx(slow_px, rel=0.25)
 
 
 def test_poses_that_only_scatter_have_less_than_was_believed() -> None:
-    assert slow_size_px([film(seed, 0.0) for seed in range(12)]) < PRIOR_SLOW_PX / 2
+    assert slow_size_px([film(seed, 0.0) for seed in range(24)]) < PRIOR_SLOW_PX / 2
 
 
 def test_the_drag_of_the_air_is_no_slow_error() -> None:
-    films = [film(seed, 0.0012, drag_per_m=0.05) for seed in range(12)]
+    films = [film(seed, 0.0012, drag_per_m=0.05) for seed in range(24)]
     assert slow_size_px(films) == pytest.approx(0.0012, rel=0.25)
 
 
