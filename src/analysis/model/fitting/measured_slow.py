@@ -177,6 +177,7 @@ def _turns(
         left = np.where(ones, rotation_vector(rotation @ np.swapaxes(expected, 2, 3)), 0.0)
         columns = (_slopes(spin, since) * ones[..., None]).reshape(len(tau), -1, SPUN)
         across = np.swapaxes(columns, 1, 2)
-        step = np.linalg.solve(across @ columns, across @ left.reshape(len(tau), -1, 1))[..., 0]
+        right = across @ left.reshape(len(tau), -1, 1)
+        step = np.asarray(np.linalg.solve(across @ columns, right)[..., 0], dtype=np.float64)
         start, spin = rotation_matrix(step[:, :3]) @ start, spin + step[:, 3:]
     return left, spin

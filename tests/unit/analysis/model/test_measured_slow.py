@@ -19,9 +19,7 @@ TURN_PER_M = 1.5 / RADIUS
 MEMORY_RAD = 0.3
 
 
-def filmed(
-    shots: int, true_m: float, stated_m: float, *, interval_s: float = 1e-3
-) -> PoseData:
+def filmed(shots: int, true_m: float, stated_m: float, *, interval_s: float = 1e-3) -> PoseData:
     """Return a campaign with slow errors that forget themselves while a sphere turns by 0.3 rad."""
     noise = {"position_sigma": 2e-6, "rotation_sigma": 4e-4}
     data = campaign(shots, 51, interval_s=interval_s, **noise)
