@@ -17,6 +17,8 @@ from analysis.errors import counted
 NEAR_RADII = 1.6
 LARGE_CHI2 = 400.0
 """Mean square of the residuals in errors that a codec and shading do not make."""
+MOST_LEFT_OUT = 0.2
+"""Of all places, that lie off the flights or next to a contact."""
 SHOWN = 12
 """Frames that a sentence lists."""
 
@@ -39,7 +41,8 @@ def _remarks(measured: MeasuredBall) -> Iterator[str]:
         arc = chain.arcs[0]
         yield (
             f"no bounce: the ball flies from frame {arc.frames[0]} {_at(arc, 0)} to frame "
-            f"{arc.frames[-1]} {_at(arc, -1)} without a second flight that meets the first"
+            f"{arc.frames[-1]} {_at(arc, -1)} without a second flight that meets the first; if it "
+            "bounces there, frames are missing, or the film's rate varies without times of its own"
         )
         return
     yield from _of_flights(measured.flights, head)
@@ -181,6 +184,15 @@ def _of_flights(flights: Flights, head: FilmHead) -> Iterator[str]:
             "its times do not say so; e may be further off than its error says"
         )
     left_out = [int(f) for f in flights.observed.frames[~flights.used]]
+    if len(left_out) > MOST_LEFT_OUT * len(flights.used):
+        out = np.flatnonzero(~flights.used)
+        (a, b), (c, d) = flights.observed.places[out[[0, -1]]]
+        yield (
+            f"{len(left_out)} of {len(flights.used)} places lie off free flights, from frame "
+            f"{left_out[0]} at ({a:.0f}, {b:.0f}) px to frame {left_out[-1]} at ({c:.0f}, {d:.0f}) "
+            "px: the film's rate varies and its times do not say so, or something holds or hides "
+            "the ball; e may be further off than its error says"
+        )
     if left_out:
         yield (
             "frames that do not count (exposed during a contact, or off the flights): "

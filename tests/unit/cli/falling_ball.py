@@ -50,11 +50,11 @@ def save(folder: Path, pictures: Sequence[Drawn]) -> Path:
     return folder
 
 
-def bouncing(count: int = 100, e: float = 0.8) -> list[float]:
+def bouncing(count: int = 100, e: float = 0.8, per_frame: int = 1) -> list[float]:
     plate, speed, begun, rows = 200.0, 0.0, 0.0, []
     top = 40.0
     contact = (2 * (plate - top) / FALL) ** 0.5
-    for t in np.arange(count) / RATE:
+    for t in np.arange(count) / (per_frame * RATE):
         while t > contact:
             speed = e * (FALL * (contact - begun) - speed if begun else FALL * contact)
             begun, contact = contact, contact + 2 * speed / FALL

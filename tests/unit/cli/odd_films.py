@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from tests.unit.cli.falling_ball import FALL, RADIUS, RATE, SHAPE, Drawn, bouncing, picture
 
@@ -105,6 +108,22 @@ def frames_missing() -> tuple[list[Drawn], int]:
     """Draw a film without four of its frames in the middle of a flight; return where they were."""
     shown = [picture(row) for row in bouncing()]
     return shown[:50] + shown[54:], 50
+
+
+def rate_varies(
+    changes: Callable[[NDArray[np.float64]], NDArray[np.float64]], count: int = 110
+) -> list[Drawn]:
+    """Draw a film whose frames are not evenly spaced in time.
+
+    Parameters
+    ----------
+    changes
+        Times of frames in s from those of even frames.
+    """
+    fine = 50
+    rows = np.array(bouncing(fine * 2 * count, per_frame=fine))
+    times = changes(np.arange(count) / RATE)
+    return [picture(rows[round(fine * RATE * t)]) for t in times.tolist()]
 
 
 def turning(sway: tuple[float, float] = (0.0, 0.0), count: int = 60) -> list[Drawn]:

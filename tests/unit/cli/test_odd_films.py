@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tests.unit.cli import odd_films
-from tests.unit.cli.falling_ball import SIZE, Drawn, answer, save
+from tests.unit.cli.falling_ball import RATE, SIZE, Drawn, answer, save
 
 Capsys = pytest.CaptureFixture[str]
 
@@ -120,6 +120,25 @@ def test_a_film_that_lacks_frames_is_not_believed(tmp_path: Path, capsys: Capsys
     pictures, _ = odd_films.frames_missing()
     shot = analysed(pictures, tmp_path, capsys)
     assert "frames may be missing" in said(shot, "further from free flights")
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        lambda t: t + np.maximum(t - 84 / RATE, 0.0),
+        lambda t: t + 0.01 * np.sin(6.0 * t),
+        lambda t: t + np.maximum(t - 44 / RATE, 0.0),
+    ],
+    ids=["half the rate after a bounce", "a rate that drifts", "half the rate before a bounce"],
+)
+def test_a_film_whose_rate_varies_without_times_is_not_believed(
+    changes: Any, tmp_path: Path, capsys: Capsys
+) -> None:
+    shot = analysed(odd_films.rate_varies(changes), tmp_path, capsys)
+    notes = [note for note in shot["notes"] if "the film's rate varies" in note]
+    assert notes
+    assert all("frame " in note and " px" in note for note in notes)
+    assert len(shot["positions"]["frame"]) > 60
 
 
 def turned(folder: Path, capsys: Capsys, sway: tuple[float, float]) -> tuple[Any, Any]:

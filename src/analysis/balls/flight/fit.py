@@ -33,6 +33,8 @@ _Chosen = tuple[Ints, NDArray[np.bool_], Floats]
 LOGARITHMS = [path.FALL, path.DRAG, path.ASLANT]
 ROUNDS, AGAIN = 6, 3
 """Of fits with outliers taken out between them: from a first guess, and from a fit before."""
+LOOSE, CLOSE = 1e-4, 1e-8
+"""Share of the sum of squares by which a step is the last: while the fit settles, and then."""
 SOFT = 2.0
 """Residuals beyond so many standard errors count less while the fit settles."""
 OUTLIER = 4.5
@@ -270,7 +272,13 @@ def _solve(
     loss: Literal["soft_l1", "linear"] = "soft_l1" if soft else "linear"
     slopes: Literal["2-point", "3-point"] = "2-point" if soft else "3-point"
     solved = least_squares(
-        residuals, np.zeros(len(units)), jac=slopes, loss=loss, f_scale=SOFT, max_nfev=60
+        residuals,
+        np.zeros(len(units)),
+        jac=slopes,
+        loss=loss,
+        f_scale=SOFT,
+        max_nfev=60,
+        ftol=LOOSE if soft else CLOSE,
     )
     best = values.copy()
     best[loose] += solved.x * units

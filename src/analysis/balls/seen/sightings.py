@@ -20,6 +20,8 @@ MOST = 6
 LEAST_SHRUNK = 2.5
 """Of a sparse picture; less would let fine patterns through."""
 CLIP = (-0.3, 1.3)
+LEAST_INSIDE = LEAST_RESPONSE + 0.5 * CLIP[0]
+"""Of the ball's difference: what one pixel of a disc has at least where the response is large."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,8 +74,9 @@ class Sight:
             The picture's values over those of what stands still.
         """
         difference = np.clip(self._small(picture) / brighter - self._ground, *CLIP)
+        box = self._changed(difference)
         border = cv2.BORDER_CONSTANT
-        filtered = cv2.filter2D(difference, cv2.CV_32F, self._kernel, borderType=border)
+        filtered = cv2.filter2D(difference[box], cv2.CV_32F, self._kernel, borderType=border)
         response = np.asarray(filtered, dtype=np.float32)
         width = 2 * round(0.7 * self._radius) + 1
         top = cv2.dilate(response, np.ones((width, width), np.uint8))
@@ -84,11 +87,24 @@ class Sight:
         for k, index in enumerate(order.tolist()):
             row, column = _peak(response, int(rows[index]), int(columns[index]))
             places[k] = (
-                (row + 0.5) * self._factor - 0.5 * self._stride,
-                (column + 0.5) * self._factor - 0.5 * self._stride,
+                (row + box[0].start + 0.5) * self._factor - 0.5 * self._stride,
+                (column + box[1].start + 0.5) * self._factor - 0.5 * self._stride,
                 strength[index],
             )
         return Sightings(places)
+
+    def _changed(self, difference: Singles) -> tuple[slice, slice]:
+        """Return rows and columns beyond which no response is large: most of it stands still.
+
+        A disc whose mean and half of whose ring's make LEAST_RESPONSE has a pixel of LEAST_INSIDE.
+        """
+        strong = difference >= LEAST_INSIDE
+        reach = 3 * self._kernel.shape[0] // 2
+        sides = []
+        for axis in (1, 0):
+            lines = np.flatnonzero(strong.any(axis=axis)).tolist() or [0]
+            sides.append(slice(max(0, lines[0] - reach), lines[-1] + reach + 1))
+        return sides[0], sides[1]
 
 
 def _disc_less_ring(radius: float) -> Singles:
