@@ -116,13 +116,18 @@ def _head(source: Source, found: Results) -> str:
 
 
 def _best(found: Results, name: str) -> tuple[Quantity, str] | None:
+    """Return the better estimate; where contacts last the two lines are no law of theirs."""
+    lines = None if found.lasting else found.coefficients().get(name)
+    return better(found.whole_fit.get(name), lines)
+
+
+def better(whole: Quantity | None, lines: Quantity | None) -> tuple[Quantity, str] | None:
     """Return the estimate with the smaller standard error, and which of the two it is.
 
-    Where contacts last the two lines are no law of theirs: what the fit has comes first.
+    None where neither is determined.
     """
-    whole = (found.whole_fit.get(name), "fit to all that was measured")
-    lines = (None if found.lasting else found.coefficients().get(name), "two lines, by regression")
-    told = [(own, how) for own, how in (whole, lines) if own is not None and own.determined]
+    named = ((whole, "fit to all that was measured"), (lines, "two lines, by regression"))
+    told = [(own, how) for own, how in named if own is not None and own.determined]
     return min(told, key=lambda one: one[0].sigma, default=None)
 
 
