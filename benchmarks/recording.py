@@ -74,6 +74,7 @@ def at_top(page: Page) -> None:
 def _challenge(page: Page, url: str) -> Iterator[str]:
     page.goto(f"{url}/model")
     page.wait_for_function("window.did_handshake")
+    yield "a challenge is chosen"
     page.get_by_test_id("new-challenge").click()
     slider = page.get_by_test_id("amount")
     slider.wait_for(timeout=LONG_MS)
