@@ -128,7 +128,14 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
     coefficients: list[Floats] = []
     for repeat in range(MOST_REPEATS if len(chain.times_s) else 0):
         head = film.head
-        view = View(head.height, head.width, period, placer.exposure_s, head.readout)
+        view = View(
+            head.height,
+            head.width,
+            period,
+            placer.exposure_s,
+            head.readout,
+            focal_px=head.focal_px,
+        )
         observed, start = _observed(placed, times_s, leans), _start(found)
         stated = Known(ball, view, looks.radius_px, looks.radius_sigma_px)
         fitted = fit_flights(observed, start, stated, flights)

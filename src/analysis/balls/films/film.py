@@ -47,6 +47,8 @@ class FilmHead:
         What a rolling shutter would read one after another.
     notes
         What about the file could not be checked, one sentence each.
+    focal_px
+        Focal length and its standard error, of a lens that was calibrated; None: not known.
     """
 
     frames: int
@@ -60,6 +62,7 @@ class FilmHead:
     compressed: bool = False
     readout: Readout = "global"
     notes: tuple[str, ...] = ()
+    focal_px: tuple[float, float] | None = None
 
 
 def spread_frames(frames: int, frame_bytes: int) -> list[int]:

@@ -14,8 +14,6 @@ from analysis.arrays import Floats
 from analysis.balls.flight import path
 from analysis.balls.flight.flights import LEAST_PLACES, Flights, Ints, Observed, Start
 from analysis.balls.flight.known import (
-    ASLANT,
-    ASLANT_SPREAD,
     BARREL_SIGMA,
     ROLL_SIGMA,
     SHORTENING,
@@ -82,7 +80,7 @@ class _Problem:
         know(path.MIDDLE_COLUMN, 0.5 * (view.width - 1), 0.0)
         know(path.BIAS, 0.0, SMEAR_SIGMA * view.exposure_s)
         know(path.BARREL, 0.0, BARREL_SIGMA)
-        know(path.ASLANT, math.log(ASLANT), ASLANT_SPREAD)
+        know(path.ASLANT, *view.aslant())
         receding = view.receding_sigma(start.before, start.after)
         know(path.DEPTH, 0.0, receding)
         for index in range(path.COMMON + 2, count, path.EACH):

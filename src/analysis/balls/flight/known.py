@@ -107,6 +107,8 @@ class View:
         "rows" or "columns": read one after another; "global": all at once.
     row_time_s
         Stated time from one row to the next; None: fitted.
+    focal_px
+        Focal length and its standard error; None: not known.
     """
 
     height: int
@@ -115,6 +117,14 @@ class View:
     exposure_s: float
     readout: str = "global"
     row_time_s: float | None = None
+    focal_px: tuple[float, float] | None = None
+
+    def aslant(self) -> tuple[float, float]:
+        """Return the logarithm of the squared larger side over the focal length, and its error."""
+        if self.focal_px is None:
+            return math.log(ASLANT), ASLANT_SPREAD
+        focal, sigma = self.focal_px
+        return 2.0 * math.log(max(self.height, self.width) / focal), 2.0 * sigma / focal
 
     def row_time(self) -> tuple[float, float]:
         """Return the time a row is read after the one above, and its standard error, s."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import cast
 
 import cv2
@@ -31,7 +32,8 @@ class StraightFilm(Film):
                 f"its pictures have {head.width} x {head.height} pixels; the lens was calibrated "
                 f"with {lens.width_px} x {lens.height_px}",
             )
-        super().__init__(film.path, head)
+        focal = 0.5 * sum(lens.focal_px), lens.focal_sigma_px
+        super().__init__(film.path, replace(head, focal_px=focal))
         self._film = film
         self._from = cv2.initUndistortRectifyMap(
             lens.matrix, lens.distortion, None, lens.matrix, (head.width, head.height), cv2.CV_32FC1

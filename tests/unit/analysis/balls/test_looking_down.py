@@ -53,7 +53,7 @@ def observed(seed: int, *, round_of_one_size: bool) -> Observed:
     return Observed(np.arange(len(times)), times, places, np.full(places.shape, NOISE), leans)
 
 
-def fitted(seen: Observed) -> Flights:
+def fitted(seen: Observed, focal_px: tuple[float, float] | None = None) -> Flights:
     times = np.array([b[0] for b in BOUNCES])
     scale = FOCAL / AWAY_M
     across = np.full(2, scale * ACROSS)
@@ -61,7 +61,7 @@ def fitted(seen: Observed) -> Flights:
     up = np.stack([[-scale * b[2] * 0.99 for b in BOUNCES], across], axis=1)
     places = ahead_and_place(times)[1]
     ball = Ball(2 * RADIUS / scale, density=7800.0, air_density=0.0001)
-    known = Known(ball, View(480, 200, 1 / RATE, 0.0), radius_px=RADIUS)
+    known = Known(ball, View(480, 200, 1 / RATE, 0.0, focal_px=focal_px), radius_px=RADIUS)
     found = fit_flights(seen, Start(times + 0.0005, places, down, up), known)
     assert found is not None
     return found
@@ -97,3 +97,11 @@ def test_outlines_held_round_and_of_one_size_are_taken_out_of_the_places() -> No
     # But for a shift, which flights do not tell.
     assert np.std(off[used, 0]) < 0.03
     assert np.std(seen.places[used, 0] - ahead_and_place(seen.times_s)[1][used, 0]) > 0.15
+
+
+def test_a_focal_length_that_is_known_makes_speeds_across_exact() -> None:
+    flights = fitted(observed(5, round_of_one_size=False), (FOCAL, 0.01 * FOCAL))
+    speeds, sigmas = beside(flights)
+    assert (np.abs(speeds - ACROSS) < 3 * sigmas).all()
+    _, unknown = beside(fitted(observed(5, round_of_one_size=False)))
+    assert sigmas.max() < 0.3 * unknown.max()
