@@ -15,7 +15,7 @@ from benchmarks.imaging import centres, pairs, radius, speed
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="benchmarks.imaging", description=__doc__)
-    parser.add_argument("section", choices=["centres", "radius", "pairs", "speed", "all"])
+    parser.add_argument("section", choices=["centres", "radius", "pairs", "speed", "large", "all"])
     parser.add_argument("--images", type=int, default=1000, help="for each case of centres")
     parser.add_argument("--pairs", type=int, default=500, help="at 6 and up to 30 degrees, each")
     parser.add_argument("--seed", type=int, default=1)
@@ -29,6 +29,8 @@ def main() -> None:
         pairs.run(wanted.pairs, wanted.seed)
     if wanted.section in {"speed", "all"}:
         speed.run(wanted.seed)
+    if wanted.section in {"large", "all"}:
+        speed.large(wanted.seed)
 
 
 if __name__ == "__main__":

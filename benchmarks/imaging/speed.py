@@ -66,12 +66,12 @@ def run(seed: int) -> None:
     print(f"  the same by edges: {shot('thesis'):.0f} ms")
     learning = 1e3 * best_of(5, lambda: teach([(first, times_s, setup)]))
     sheet.at_most("learning a pair", learning, 500.0, "ms")
-    _large(sheet, seed)
     sheet.write()
 
 
-def _large(sheet: Sheet, seed: int) -> None:
+def large(seed: int) -> None:
     """Time whole shots of large pictures, once the pair is known."""
+    sheet = Sheet("large")
     with tempfile.TemporaryDirectory() as scratch:
         description = WorldDescription(optics=_large_optics())
         pressures_kpa, offsets_mm = [60.0, 40.0], [5.0, 9.0]
@@ -89,6 +89,7 @@ def _large(sheet: Sheet, seed: int) -> None:
     seconds = best_of(5, lambda: analyse_shot(second, times_s, setup, options, known))
     name = f"{LARGE[1]} x {LARGE[0]}, spheres of {LARGE_DIAMETER_PX:.0f} px, known pair"
     sheet.at_least(name, FRAMES / seconds, 200.0, "frames/s")
+    sheet.write()
 
 
 def _large_optics() -> Optics:
