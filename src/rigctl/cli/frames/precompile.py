@@ -15,9 +15,11 @@ from analysis.balls.flight.known import Ball
 from analysis.campaign import analyse_campaign, read_campaign
 from analysis.effects.catalogue import CATALOGUE
 from analysis.effects.contact import lasting_contact
+from analysis.imaging.outlines import Place
 from analysis.model.data.gather import gather
 from analysis.model.fitting.robust_fit import robust_fit
 from analysis.model.verdict.selection import explain
+from analysis.qualification.locating import locate
 from analysis.shot import AnalysisOptions, Method
 from analysis.workers import Workers
 from rigctl.challenge import new
@@ -28,14 +30,14 @@ FILMED, TABULATED = 4, 20
 RATE_HZ, FALL_PX_PER_S2, RADIUS_PX = 200.0, 2800.0, 14.0
 TOP_PX, PLATE_PX, SHAPE, REBOUND = 40.0, 200.0, (240, 120), 0.8
 """Of the drawn film: a ball falls from rest onto a plate and bounces."""
+DISC_PX = 64
+"""Side of the picture of one disc."""
 
 
 def precompile() -> None:
-    """Measure a simulated campaign by both methods and a drawn film of a ball, explain another.
+    """Measure a simulated campaign by both methods, a drawn film and a disc, explain another.
 
-    In two processes.
-
-    What is compiled already takes seconds.
+    In two processes. What is compiled already takes seconds.
 
     Raises
     ------
@@ -53,6 +55,7 @@ def precompile() -> None:
             workers.submit(_explain, tabulated),
             workers.submit(_measure, filmed, "thesis"),
             workers.submit(measure_drawn_ball, Path(folder) / "ball"),
+            workers.submit(locate_drawn_disc),
         ]
         for done, part in enumerate(parts):
             report(f"compiling: {done} of {len(parts)} parts")
@@ -93,3 +96,13 @@ def measure_drawn_ball(folder: Path) -> AnalysedFilm:
         cv2.imwrite(str(folder / f"{k:04d}.png"), noisy.clip(0, 255).astype(np.uint8))
     diameter_m = 2 * RADIUS_PX / FALL_PX_PER_S2 * 9.80665
     return analyse_film(FilmJob(1, folder, Ball(diameter_m), rate_hz=RATE_HZ, exposure_s=0.0))
+
+
+def locate_drawn_disc() -> Place:
+    """Draw a disc in the middle and return where its edges are, as `rigctl qualify` finds it."""
+    middle = DISC_PX / 2
+    seen = np.full((DISC_PX, DISC_PX), 60, np.uint8)
+    centre = round(16 * middle), round(16 * middle)
+    cv2.circle(seen, centre, round(16 * RADIUS_PX), 200, cv2.FILLED, cv2.LINE_AA, 4)
+    frames = cv2.GaussianBlur(seen, (0, 0), 0.7)[None]
+    return locate(frames, [(middle, middle, RADIUS_PX)], "exact")[0]
