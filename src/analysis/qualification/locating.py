@@ -8,15 +8,14 @@ import numpy as np
 
 from analysis.arrays import Grey
 from analysis.errors import ShotRefusedError
-from analysis.imaging.adaptive_hough import adaptive_hough
 from analysis.imaging.discs import common_radius, discs, vote
 from analysis.imaging.edge.edges import laplacian_of_gaussian
 from analysis.imaging.edge.expansion import expanded_zero_crossings
 from analysis.imaging.edge.facet import EdgePoints, edge_points
 from analysis.imaging.edge.frame import EdgeSettings, find_edges, gradient_threshold, noise_sd
-from analysis.imaging.edge.gradient_edges import canny_edges, sobel_edges
 from analysis.imaging.outlines import Place
 from analysis.imaging.shells import Circle, fit_circles
+from analysis.qualification.compared_ways import adaptive_hough, canny_edges, sobel_edges
 from analysis.qualification.grey_discs import fit_grey_discs
 
 Way = Literal["pixel", "thirds", "quarters", "exact", "aht", "sobel", "canny", "photometric"]

@@ -104,5 +104,5 @@ def locate_drawn_disc() -> Place:
     seen = np.full((DISC_PX, DISC_PX), 60, np.uint8)
     centre = round(16 * middle), round(16 * middle)
     cv2.circle(seen, centre, round(16 * RADIUS_PX), 200, cv2.FILLED, cv2.LINE_AA, 4)
-    frames = cv2.GaussianBlur(seen, (0, 0), 0.7)[None]
+    frames = cv2.GaussianBlur(seen, (0, 0), 0.7)[None].astype(np.uint8)
     return locate(frames, [(middle, middle, RADIUS_PX)], "exact")[0]

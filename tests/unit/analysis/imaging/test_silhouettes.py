@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from analysis.imaging.silhouettes import silhouettes, still_scene
+from analysis.photometric.follow.first_tracking import silhouettes, still_scene
 
 ROWS, COLUMNS, FRAMES = 80, 160, 24
 NOISE = 2.0

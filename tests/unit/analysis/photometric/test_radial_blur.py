@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from analysis.photometric.render.radial_blur import pairs_near, refined
-from analysis.photometric.render.shading import blurred_profiles
+from analysis.photometric.render.shading import blurred_profiles, pairs_near, refined
 
 
 @pytest.mark.parametrize("knots", [5, 6, 40])

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from analysis.results.york import york_line
+from analysis.results.campaign import york_line
 
 # Points: K. Pearson, Phil. Mag. 2, 559 (1901). Weights: D. York, Can. J. Phys. 44, 1079 (1966).
 PEARSON_X = np.array([0.0, 0.9, 1.8, 2.6, 3.3, 4.4, 5.2, 6.1, 6.5, 7.4])
