@@ -139,6 +139,7 @@ def measure_two_sides(
             scale_sigma=scene.slow.scale,
             offset_sigma=float(np.sqrt(2.0)) * scene.slow.common_m,
             held_sigma=float(np.sqrt(2.0)) * scene.slow.position_m,
+            turn_sigma=scene.slow.common_rad,
             # A camera without a mirror leaves Z at zero in every frame.
             without_depth=None if left.position[left.placed][:, 2].any() else scene.bodies,
         )

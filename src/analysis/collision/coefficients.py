@@ -140,6 +140,7 @@ def measure_impact(
     *,
     offset_sigma: float = 0.0,
     held_sigma: float = math.inf,
+    turn_sigma: float = 0.0,
     without_depth: tuple[Body, Body] | None = None,
 ) -> Impact:
     """Combine the motions of both spheres into the impact.
@@ -162,6 +163,9 @@ def measure_impact(
         contact alike.
     held_sigma
         How much of it the errors of each flight hold already.
+    turn_sigma
+        Standard error, rad, by which all orientations of a sphere are seen turned about each axis,
+        before and after contact alike; its spins are seen turned with them (decision 0039).
     without_depth
         What collided, where Z was not measured: its velocity after contact follows from the spins,
         and what it may be besides is among the errors (`unseen_depth`).
@@ -190,7 +194,9 @@ def measure_impact(
     for axis in range(3):
         common[HELD + axis, [6 + axis, 18 + axis]] = offset_sigma
     unheld = np.sqrt(max(1.0 - (held_sigma / offset_sigma) ** 2, 0.0)) if offset_sigma else 0.0
-    beside = np.concatenate([common[:HELD], unheld * common[HELD:]])
+    beside = np.concatenate(
+        [common[:HELD], unheld * common[HELD:], turn_sigma * _seen_turned(centre)]
+    )
     covariance = own + beside.T @ beside
     accelerations = np.array([p.acceleration for p in parts])
     determined = np.array([s is not None for s in spins])
@@ -259,6 +265,20 @@ def _derivative(f: Callable[[Floats], Floats], x: Floats, sigma: Floats) -> Floa
     steps = np.diag(0.1 * sigma)
     rise = f(x + steps) - f(x - steps)
     return np.asarray((rise / np.where(sigma > 0.0, 0.2 * sigma, np.inf)[:, None]).T)
+
+
+def _seen_turned(centre: Floats) -> Floats:
+    """Return what the states change by where a sphere's orientations are seen turned by 1 rad.
+
+    About each axis of each sphere, shape (6, 37): turns of a in the first three rows.
+    """
+    turned = np.zeros((2, 3, len(centre)))
+    spins = turned[..., 24:36].reshape(2, 3, 2, 2, 3)
+    for sphere in (0, 1):
+        own = centre[24:36].reshape(2, 2, 3)[:, sphere]
+        spins[sphere, :, :, sphere] = np.cross(np.eye(3)[:, None], own)
+    turned[..., 24:36] = spins.reshape(2, 3, 12)
+    return turned.reshape(6, len(centre))
 
 
 def _block_diagonal(blocks: list[Floats]) -> Floats:

@@ -2,6 +2,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from analysis.collision.coefficients import (
     Impact,
@@ -95,6 +96,18 @@ def rescaled(sphere: Motion, factor: float) -> Motion:
     return replace(sphere, before=longer(sphere.before), after=longer(sphere.after))
 
 
+def seen_turned(sphere: Motion, turn: np.ndarray) -> Motion:
+    """Return the motion of a sphere whose orientations are all seen turned by a vector, rad."""
+    seen = Rotation.from_rotvec(turn)
+
+    def other(s: Spin) -> Spin:
+        return replace(s, velocity=seen.apply(s.velocity))
+
+    return replace(
+        sphere, spin_before=other(sphere.spin_before), spin_after=other(sphere.spin_after)
+    )
+
+
 def numbers(impact: Impact) -> np.ndarray:
     beta = impact.beta.value if impact.beta else np.nan
     assert impact.duration is not None
@@ -139,6 +152,19 @@ def test_stated_errors_are_the_scatter_of_four_hundred_measurements() -> None:
         draws.append(numbers(measure_impact(one, other, RADII, 0.0)))
     errors = stated(measure_impact(a, b, RADII, scale_sigma))
     np.testing.assert_allclose(errors, np.std(draws, axis=0), rtol=0.15)
+
+
+def test_stated_errors_hold_spins_that_are_seen_turned_alike_before_and_after_contact() -> None:
+    rng, turn_sigma = np.random.default_rng(10), 0.1
+    spheres = [motion("a"), motion("b")]
+    draws = []
+    for _ in range(400):
+        turned = [seen_turned(one, turn_sigma * rng.standard_normal(3)) for one in spheres]
+        draws.append(numbers(measure_impact(*(drawn(one, rng) for one in turned), RADII, 0.0)))
+    errors = stated(measure_impact(*spheres, RADII, 0.0, turn_sigma=turn_sigma))
+    np.testing.assert_allclose(errors, np.std(draws, axis=0), rtol=0.15)
+    alone = stated(measure_impact(*spheres, RADII, 0.0))
+    np.testing.assert_array_less(1.05 * alone[[2, 4]], errors[[2, 4]])  # v_s, v_s'
 
 
 def test_own_errors_are_those_that_an_exact_scale_in_still_air_would_leave() -> None:
