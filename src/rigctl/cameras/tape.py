@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import ExitStack, contextmanager
 from typing import Protocol
 
@@ -29,6 +29,8 @@ _POLL_S = 0.005
 _LONGEST_POLL_S = 0.1
 _USUAL_DELAY_S = 0.01
 """A marker that is answered within this time lies near enough to when it was sent."""
+_MOST_LISTED = 6
+"""Sessions that a message names one by one."""
 _RESERVE_S = 5.0
 """Tape kept for what passes between the confirmed recording and the fire."""
 
@@ -275,7 +277,7 @@ class TapeCapture:
             return ""
         if not self.erases_when_full:
             self._require_room(left_s)
-        lost = list(self._recorder.sessions())
+        lost = _listed(self._recorder.sessions())
         _log.warning("%s: erasing sessions %s, as agreed", self.name, lost)
         self._recorder.erase()
         left_s = self._recorder.status().seconds_left
@@ -358,3 +360,11 @@ class TapeCapture:
             self._halt()
         except DeviceError as error:
             _log.warning("%s: the tape may still run: %s", self.name, error)
+
+
+def _listed(sessions: Collection[int]) -> str:
+    """Return the numbers of sessions, of many the first and the last."""
+    numbers = list(sessions)
+    if len(numbers) <= _MOST_LISTED:
+        return str(numbers)
+    return f"{numbers[0]} to {numbers[-1]} ({len(numbers)} of them)"

@@ -217,6 +217,16 @@ def test_a_full_tape_is_erased_where_the_operator_agreed_and_the_confirmation_sa
     assert "sessions [1] were erased, as agreed" in confirmation.evidence
 
 
+def test_of_many_erased_sessions_the_first_and_the_last_are_named(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bench.recorder.left_s = 3.0
+    bench.capture.erases_when_full = True
+    monkeypatch.setattr(bench.recorder, "sessions", lambda: dict.fromkeys(range(1, 425), 60))
+    evidence = bench.capture.start().evidence
+    assert "sessions 1 to 424 (424 of them) were erased, as agreed" in evidence
+
+
 def test_the_keypad_has_the_recorder_before_and_after_a_shot_and_never_during_it(
     bench: Bench,
 ) -> None:
