@@ -39,7 +39,7 @@ def unnamed(found: VerdictReport, *, errors: bool = True) -> str:
 
 
 def without_numbers(found: VerdictReport) -> str:
-    """Say it as `unnamed`, without errors: those of the same fits stand in the story."""
+    """Say it as `unnamed`, without errors: the story gives those of the same fits."""
     return unnamed(found, errors=False)
 
 
