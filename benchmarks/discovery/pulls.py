@@ -8,8 +8,9 @@ all alike by scale, outlines and orientations. Scale and drag are one draw for a
 of the error of e and v_n: over the campaigns they are quantiles of what is stated, so that few
 spread as many would. Then v_n, v_n' and e of single shots, and the report's mean e, are held
 against the world's as well. An own pull is the error less what the drawn scale and drag do to it,
-over the shot's own error; a total pull is the whole error over the whole stated one. Each campaign
-is fitted once more streamed, a part of its shots at a time.
+over the shot's own error; a total pull is the whole error over the whole stated one. How large
+slow errors come out of a campaign's flights is held against what was drawn, too. Each campaign is
+fitted once more streamed, a part of its shots at a time.
 """
 
 from __future__ import annotations
@@ -22,8 +23,10 @@ from scipy.stats import norm
 
 from analysis.arrays import Floats
 from analysis.effects.contact.lasting_contact import EFFECT
+from analysis.model.data.inside import without_contact_frames
 from analysis.model.data.poses import PoseData
 from analysis.model.data.stream import PoseStream
+from analysis.model.fitting.measured_slow import with_measured_slow_errors
 from analysis.model.fitting.robust_fit import RobustFit, robust_fit
 from benchmarks.discovery.filmed_errors import filmed
 from benchmarks.discovery.goals import Goal, report, share
@@ -68,14 +71,18 @@ def run(options: Options) -> None:
     shared = drawn_shared(options.campaigns)
     data = (_campaign(k, options, shared[:, k]) for k in range(options.campaigns))
     single: dict[str, list[Floats]] = {}
-    found, streamed = [], []
+    found, streamed, slow = [], [], []
     for k, one in enumerate(data):
         found.append(robust_fit(one, (EFFECT,)))
         streamed.append(robust_fit(PoseStream.of(one.parts()), (EFFECT,)))
         if options.slow_px is not None:
+            whole = with_measured_slow_errors(without_contact_frames(one))
+            slow.append(whole.slow.position_m / one.slow.position_m)
             nature = _nature(float(shared[DRAG, k]))
             for name, pulls in of_single_shots(one, nature, FIRST_SEED + k, shared[:, k]).items():
                 single.setdefault(name, []).append(pulls)
+    if slow:
+        print(f"  slow errors found over drawn: {min(slow):.2f} to {max(slow):.2f}")
     goals = [*_of_fits("", found), *_of_fits(", streamed", streamed), _apart(found, streamed)]
     for name, parts in single.items():
         goals += _goals(name, np.concatenate(parts))
