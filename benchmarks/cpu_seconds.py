@@ -26,14 +26,17 @@ def of_process(pid: int) -> float:
     return _spent(pid, OWN)
 
 
-def _below(pid: int) -> list[int]:
-    """Return the running children of a process, theirs, and so on."""
+def children(pid: int) -> list[int]:
+    """Return the running children of a process."""
     found: list[int] = []
     with suppress(OSError):
         for thread in Path(f"/proc/{pid}/task").iterdir():
-            for child in (thread / "children").read_text().split():
-                found += [int(child), *_below(int(child))]
+            found += map(int, (thread / "children").read_text().split())
     return found
+
+
+def _below(pid: int) -> list[int]:
+    return [each for child in children(pid) for each in tree(child)]
 
 
 def _spent(pid: int, fields: slice) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import signal
 import subprocess
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import urlsplit
@@ -20,6 +21,27 @@ EXPECT_MS = 60_000
 expect.set_options(timeout=EXPECT_MS)
 WIDE = {"width": 1280, "height": 800}
 PORT = ("--port", "0")
+OWN_EFFECT = """\
+from dataclasses import replace
+
+from analysis.effects.effect import ContactEffect, Parameter
+
+
+def wrap(operator, values):
+    def changed(encounter):
+        warmth = encounter.covariates["temperature_c"] - 23.0
+        return operator(replace(encounter, e=encounter.e * (1.0 + values[0] * warmth)))
+
+    return changed
+
+
+EFFECT = ContactEffect(
+    name="restitution-warmth", title="Warm nylon",
+    parameters=(Parameter("a", "1/K", "change of e per kelvin", (-0.02, 0.02)),),
+    formula="e = e0 [1 + a (T - 23 C)]", source="a handbook", gives_away="follows temperature_c",
+    wrap=wrap,
+)
+"""
 LOOPBACK = {"127.0.0.1", None}
 
 
@@ -49,24 +71,24 @@ class Served:
         self.process.communicate(timeout=WAIT_S)
 
 
-@pytest.fixture(scope="module")
-def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
-    running = Served.start(tmp_path_factory.mktemp("daemon"))
-    yield running
-    running.end()
-
-
 @pytest.fixture(scope="session")
-def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
-    """Serve modules that mind no shots and no fits of each other: a start costs some seconds."""
-    running = Served.start(tmp_path_factory.mktemp("shared"))
+def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    """Serve all modules that mind no shots and no fits of each other: a start costs some seconds.
+
+    The daemon has a folder of the user's own effects, of which one is of no use.
+    """
+    folder = tmp_path_factory.mktemp("shared")
+    (folder / "effects").mkdir()
+    (folder / "effects" / "warmth.py").write_text(OWN_EFFECT)
+    (folder / "effects" / "unfinished.py").write_text("import numpy\n\nEFFECT = numpy.nothing\n")
+    running = Served.start(folder, *PORT, "--effects", "effects")
     yield running
     running.end()
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def browser() -> Iterator[Browser]:
-    """Launch it for one module: while it is open, no other test can run an event loop."""
+    """Launch it once for these tests: while it is open, no other test can run an event loop."""
     if CHROMIUM is None:
         pytest.skip("no Chromium is installed")
     with sync_playwright() as playwright:
@@ -75,24 +97,44 @@ def browser() -> Iterator[Browser]:
         opened.close()
 
 
-@pytest.fixture
-def page(browser: Browser, served: Served) -> Iterator[Page]:
-    """Open the address that the daemon prints; whatever is asked for must come from loopback."""
-    context = browser.new_context(viewport=WIDE)
-    opened = context.new_page()
+@pytest.fixture(scope="package")
+def tab(browser: Browser) -> Page:
+    """Open one tab that all tests use: one that has not read the page's scripts needs seconds."""
+    opened = browser.new_context(viewport=WIDE).new_page()
     opened.set_default_timeout(1e3 * WAIT_S)
+    return opened
+
+
+@contextmanager
+def entered(tab: Page, url: str) -> Iterator[Page]:
+    """Open an address with its key as a person who never was there."""
+    tab.context.clear_cookies()
+    tab.emulate_media(color_scheme="null", reduced_motion="null")
+    tab.set_viewport_size(WIDE)
+    tab.goto(f"{url}/?key={KEY}")
+    tab.get_by_test_id("state").wait_for()
+    # Before it, a click is heard by nobody.
+    tab.wait_for_function("window.did_handshake")
+    yield tab
+    if tab.url.startswith(url):
+        tab.evaluate("localStorage.clear(); sessionStorage.clear()")
+    for other in tab.context.pages:
+        if other is not tab:
+            other.close()
+
+
+@pytest.fixture
+def page(tab: Page, served: Served) -> Iterator[Page]:
+    """Open the address that the daemon prints; whatever is asked for must come from loopback."""
     asked: list[str] = []
 
     def note(request: Request) -> None:
         asked.append(request.url)
 
-    opened.on("request", note)
-    opened.goto(f"{served.url}/?key={KEY}")
-    opened.get_by_test_id("state").wait_for()
-    # Before it, a click is heard by nobody.
-    opened.wait_for_function("window.did_handshake")
-    yield opened
-    context.close()
+    tab.on("request", note)
+    with entered(tab, served.url):
+        yield tab
+    tab.remove_listener("request", note)
     assert asked
     strangers = [
         url

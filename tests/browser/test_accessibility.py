@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from urllib.parse import quote
 
-import pytest
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Page
 
@@ -24,8 +23,11 @@ PLACES = (
     "/model",
     "/campaigns/seen",
 )
+BAD = {"resultTypes": ["violations"]}
 COLOURS = {"runOnly": ["color-contrast", "target-size", "meta-viewport", "aria-hidden-focus"]}
 """What a narrow dark screen may get wrong alone."""
+RULES: dict[int, dict[str, list[str]]] = {320: {**COLOURS, **BAD}, 1920: BAD}
+VIOLATIONS = "async (rules) => (await axe.run(document, rules)).violations"
 STOPS = 25
 """So many times the tabulator is pressed on a screen."""
 OUTLINED = """() => {
@@ -60,12 +62,6 @@ BROKEN = """() => {
   return found;
 }"""
 """Words that are broken in their middle."""
-
-
-@pytest.fixture(scope="module")
-def served(shared: Served) -> Served:
-    """Take the daemon of other modules."""
-    return shared
 
 
 def test_axe_finds_nothing_and_nothing_scrolls_sideways_on_any_screen(
@@ -123,6 +119,9 @@ def unseen_stops(page: Page) -> list[str]:
 def faults(page: Page) -> list[str]:
     """Return what is wrong with the screen that is open, at every width, dark and light."""
     found = []
+    page.evaluate(Axe().axe_script)
+    # What is below the pointer says so in words that fade in.
+    page.mouse.move(0, 0)
     for width, scheme in LOOKS:
         page.emulate_media(color_scheme=scheme, reduced_motion="reduce")
         page.set_viewport_size({"width": width, "height": 800})
@@ -130,11 +129,8 @@ def faults(page: Page) -> list[str]:
             found.append(f"scrolls sideways at {width} px")
         found += [f"{words!r} does not fit at {width} px" for words in page.evaluate(CUT)]
         found += [f"{word!r} is broken at {width} px" for word in page.evaluate(BROKEN)]
-    # Rules look at what is there, colours at a theme: all rules where most is seen, wide and light.
-    for (width, scheme), rules in ((LOOKS[-1], None), (LOOKS[0], COLOURS)):
-        page.emulate_media(color_scheme=scheme)
-        page.set_viewport_size({"width": width, "height": 800})
-        for fault in Axe().run(page, options=rules).response["violations"]:
+        # Rules look at what is there, colours at a theme: all where most is seen, wide and light.
+        for fault in page.evaluate(VIOLATIONS, RULES[width]) if width in RULES else ():
             places = [node["html"][:120] for node in fault["nodes"]]
             found.append(f"{fault['id']} at {width} px, {scheme}: {places}")
     return found

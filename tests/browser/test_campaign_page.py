@@ -15,12 +15,6 @@ CAMPAIGN = "remarked"
 
 
 @pytest.fixture(scope="module")
-def served(shared: Served) -> Served:
-    """Take the daemon of other modules."""
-    return shared
-
-
-@pytest.fixture(scope="module")
 def campaign(served: Served) -> str:
     """Fire one shot of a campaign; what stands on its page needs no result."""
     bearer = {"Authorization": f"Bearer {KEY}"}

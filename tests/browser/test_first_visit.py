@@ -3,12 +3,22 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from urllib.parse import urlsplit
 
+import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browser.conftest import Served
 from tests.browser.test_rig_page import FIRST_USE_MS
+
+
+@pytest.fixture(scope="module")
+def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    """Serve a store without a shot."""
+    running = Served.start(tmp_path_factory.mktemp("empty"))
+    yield running
+    running.end()
 
 
 def test_a_newcomer_is_led_from_an_empty_store_to_thirty_shots(page: Page, served: Served) -> None:

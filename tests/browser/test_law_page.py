@@ -2,43 +2,31 @@
 
 from __future__ import annotations
 
-import os
 import re
-import subprocess
-import sys
-from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 from playwright.sync_api import Page, expect
 
+from rigctl.challenge import new
 from simulators.challenge import write_challenge
-from tests.browser.conftest import PORT, Served
+from tests.browser.conftest import Served
+from tests.invoked import rigctl
 
 pytestmark = pytest.mark.long
 
 LONG_MS = 120_000
-SEED = "15"
+SEED = 15
 """Hides a bump of restitution at 5 m/s."""
 
 
-@pytest.fixture(scope="module")
-def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
-    """Serve a store that holds the campaign."""
-    folder = tmp_path_factory.mktemp("daemon")
-    command = str(Path(sys.executable).with_name("rigctl"))
-    write_challenge(folder / "other", {"restitution-bump": 0.02}, seed=16, shots=60)
-    for words in (
-        ["challenge", "new", "strange", "--seed", SEED, "--shots", "60"],
-        ["import", "strange", "--name", "strange"],
-        ["import", "other", "--name", "other"],
-    ):
-        subprocess.run(
-            [command, *words], cwd=folder, env=dict(os.environ), check=True, capture_output=True
-        )
-    running = Served.start(folder, *PORT)
-    yield running
-    running.end()
+@pytest.fixture(scope="module", autouse=True)
+def campaigns(served: Served) -> None:
+    """Give the store the two campaigns."""
+    new(served.folder / "strange", seed=SEED, strength="full", shots=60)
+    write_challenge(served.folder / "other", {"restitution-bump": 0.02}, seed=16, shots=60)
+    for name in ("strange", "other"):
+        done = rigctl("import", name, "--name", name, folder=served.folder)
+        assert done.returncode == 0, done.stderr
 
 
 def test_a_law_is_proposed_beside_unexplained_and_two_clicks_fire_the_shots_that_confirm_it(

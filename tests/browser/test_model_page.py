@@ -1,14 +1,8 @@
-"""The model on the page: a hidden effect is found, added, answered and revealed.
-
-The daemon has a folder of the user's own effects, of which one is of no use.
-"""
+"""The model on the page: a hidden effect is found, added, answered and revealed."""
 
 from __future__ import annotations
 
 import re
-import subprocess
-import sys
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -16,7 +10,8 @@ from urllib.parse import quote
 import pytest
 from playwright.sync_api import Page, ViewportSize, expect
 
-from tests.browser.conftest import PORT, Served
+from rigctl.challenge import new
+from tests.browser.conftest import Served
 
 pytestmark = pytest.mark.long
 
@@ -27,43 +22,11 @@ SCREENS: list[ViewportSize] = [
     {"width": 1280, "height": 800},
 ]
 STEPS = ("error-path", "missing", "where-it-fails", "compare")
-SEED = "4"
+SEED = 4
 """Hides the angle of the mirror, and nothing else."""
 HIDDEN = "mirror-angle"
-OUTSIDE_SEED = "11"
+OUTSIDE_SEED = 11
 """Hides that restitution depends on the temperature, which no effect of the catalogue knows."""
-OWN = """\
-from dataclasses import replace
-
-from analysis.effects.effect import ContactEffect, Parameter
-
-
-def wrap(operator, values):
-    def changed(encounter):
-        warmth = encounter.covariates["temperature_c"] - 23.0
-        return operator(replace(encounter, e=encounter.e * (1.0 + values[0] * warmth)))
-
-    return changed
-
-
-EFFECT = ContactEffect(
-    name="restitution-warmth", title="Warm nylon",
-    parameters=(Parameter("a", "1/K", "change of e per kelvin", (-0.02, 0.02)),),
-    formula="e = e0 [1 + a (T - 23 C)]", source="a handbook", gives_away="follows temperature_c",
-    wrap=wrap,
-)
-"""
-
-
-@pytest.fixture(scope="module")
-def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
-    folder = tmp_path_factory.mktemp("daemon")
-    (folder / "effects").mkdir()
-    (folder / "effects" / "warmth.py").write_text(OWN)
-    (folder / "effects" / "unfinished.py").write_text("import numpy\n\nEFFECT = numpy.nothing\n")
-    running = Served.start(folder, *PORT, "--effects", "effects")
-    yield running
-    running.end()
 
 
 LEAST_MAP = 200
@@ -166,11 +129,9 @@ def read_in_rows(page: Page) -> list[str]:
     return found
 
 
-def challenge(folder: Path, seed: str, shots: int = 60) -> Path:
+def challenge(folder: Path, seed: int, shots: int = 60) -> Path:
     """Make a challenge and return its folder."""
-    rigctl = Path(sys.executable).with_name("rigctl")
-    made = [str(rigctl), "challenge", "new", str(folder), "--seed", seed, "--shots", str(shots)]
-    subprocess.run(made, check=True, capture_output=True, timeout=180)
+    new(folder, seed=seed, strength="full", shots=shots)
     return folder
 
 

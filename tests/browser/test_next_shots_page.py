@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +10,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browser.conftest import KEY
+from tests.invoked import rigctl
 
 pytestmark = pytest.mark.long
 
@@ -70,15 +68,9 @@ def choose(page: Page, place: int, effect: str) -> None:
 
 def fire(folder: Path) -> None:
     """Fire a small sweep of eight shots under the campaign's name and wait for the last one."""
-    swept = ["sweep", "--pressure-kpa", PRESSURES, "--offset-mm", OFFSETS, "--campaign", "nylon"]
-    subprocess.run(
-        [str(Path(sys.executable).with_name("rigctl")), *swept],
-        cwd=folder,
-        env={**os.environ, "RIGCTL_KEY": KEY},
-        check=True,
-        capture_output=True,
-        timeout=LONG_MS / 1e3,
-    )
+    swept = ("sweep", "--pressure-kpa", PRESSURES, "--offset-mm", OFFSETS, "--campaign", "nylon")
+    done = rigctl(*swept, folder=folder, key=KEY)
+    assert done.returncode == 0, done.stderr
 
 
 def used(said: str) -> int:

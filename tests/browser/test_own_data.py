@@ -23,12 +23,6 @@ BALL_MM = 88.3
 """With 9.81 m/s² a fall of 4000 px/s² is 2.4525 mm a pixel; so the ball of 36 px has 88.3 mm."""
 
 
-@pytest.fixture(scope="module")
-def served(shared: Served) -> Served:
-    """Take the daemon of other modules."""
-    return shared
-
-
 def film(path: Path) -> Path:
     """Draw a ball that falls on a plate and bounces twice with e = 0.8."""
     rows, columns = np.mgrid[:360, :160]

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import os
 import signal
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 from playwright.sync_api import Page, expect
+
+from tests.browser.conftest import Served
 
 pytestmark = pytest.mark.long
 
@@ -17,6 +20,14 @@ SILENT_MS = 15_000
 SILENCE = "nothing on this page is live"
 CONFIGURATION = Path(__file__).parents[2] / "config" / "simulated.toml"
 DEAF = 'method = "photometric"\ntimeout_s = 0.001'
+
+
+@pytest.fixture(scope="module")
+def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    """Serve for those who end the daemon."""
+    running = Served.start(tmp_path_factory.mktemp("faults"))
+    yield running
+    running.end()
 
 
 def test_a_daemon_that_hangs_covers_the_page_until_it_answers_again(

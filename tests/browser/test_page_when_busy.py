@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 from typing import Any
 
 import httpx
 import pytest
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import KEY, WIDE
+from tests.browser.conftest import KEY, entered
 from tests.browser.wire import Wire
 
 pytestmark = pytest.mark.long
@@ -25,7 +26,7 @@ BEATS = """() => new Promise(done => {
 """Ends when the daemon has proved twice that the page is live."""
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def wire(served: Any) -> Iterator[Wire]:
     between = Wire(served.url)
     yield between
@@ -40,16 +41,11 @@ def rest(served: Any) -> Iterator[httpx.Client]:
 
 
 @pytest.fixture
-def far(browser: Browser, wire: Wire) -> Iterator[Page]:
+def far(tab: Page, wire: Wire) -> Iterator[Page]:
     """The page at the other end of the wire, marked: a page that was loaded anew has no mark."""
-    context = browser.new_context(viewport=WIDE)
-    page = context.new_page()
-    page.goto(f"{wire.url}/?key={KEY}")
-    page.get_by_test_id("state").wait_for()
-    page.wait_for_function("window.did_handshake")
-    page.evaluate("window.mark = 'the same'")
-    yield page
-    context.close()
+    with entered(tab, wire.url):
+        tab.evaluate("window.mark = 'the same'")
+        yield tab
 
 
 def test_a_page_that_was_cut_off_for_half_a_minute_goes_on_with_what_was_typed(
@@ -108,4 +104,5 @@ def until_idle(rest: httpx.Client) -> None:
     """Ask the rig until it is idle again."""
     state = ""
     while state != "idle":
+        time.sleep(0.2)
         state = rest.get("/rig").raise_for_status().json()["state"]

@@ -15,12 +15,12 @@ FIRST_USE_MS = 200_000
 """Functions are compiled in the first analysis on a machine, other tests beside it."""
 
 
-@pytest.fixture(scope="module")
-def served(shared: Served) -> Iterator[Served]:
-    """Take the daemon of other modules, and leave no stop behind."""
-    yield shared
+@pytest.fixture(scope="module", autouse=True)
+def released(served: Served) -> Iterator[None]:
+    """Leave no stop behind for those who use the daemon after these."""
+    yield
     bearer = {"Authorization": f"Bearer {KEY}"}
-    url = f"{shared.url}/api/v1/rig/release"
+    url = f"{served.url}/api/v1/rig/release"
     httpx.post(url, headers=bearer, json={"reason": "the tests of the stop have ended"})
 
 

@@ -35,12 +35,6 @@ FIRST_DOT = """(part) => {
 }"""
 
 
-@pytest.fixture(scope="module")
-def served(shared: Served) -> Served:
-    """Take the daemon of other modules."""
-    return shared
-
-
 def test_a_hidden_effect_is_moved_added_and_kept_by_a_reload(page: Page, served: Served) -> None:
     folder = known_challenge(served)
     sent: list[str] = []

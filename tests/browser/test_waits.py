@@ -5,22 +5,15 @@ from __future__ import annotations
 import re
 from urllib.parse import quote
 
-import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browser.conftest import Served
 from tests.browser.test_model_page import LONG_MS, SEED, challenge
 
 
-@pytest.fixture(scope="module")
-def served(shared: Served) -> Served:
-    """Take the daemon of other modules."""
-    return shared
-
-
 def test_a_long_wait_says_how_far_it_is_and_is_cancelled(page: Page, served: Served) -> None:
     # Enough shots that the search lasts for many seconds on a fast machine too.
-    folder = challenge(served.folder / "long", SEED, shots=400)
+    folder = challenge(served.folder / "long", SEED, shots=150)
     page.goto(f"{served.url}/model?folder={quote(str(folder))}")
     page.get_by_test_id("amount").wait_for(timeout=LONG_MS)
     told = page.get_by_test_id("story-compare").inner_text()
