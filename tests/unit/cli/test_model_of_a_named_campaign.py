@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from rigctl.challenge import new
 from rigctl.cli import run
 from rigctl.config import default_path
+from simulators.challenge import write_challenge
 
 WORDS = (
     *("agreement", "explain", "fit", "launch", "propose", "rank"),
@@ -21,7 +21,10 @@ WORDS = (
 
 @pytest.fixture(scope="module")
 def configuration(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a configuration whose store holds one imported campaign of twelve shots."""
+    """Return a configuration whose store holds one imported campaign of twelve shots.
+
+    Nothing is hidden in it: an answer is soon found.
+    """
     place = tmp_path_factory.mktemp("laboratory")
     text = default_path().read_text(encoding="utf-8")
     stated, count = re.subn(
@@ -29,7 +32,7 @@ def configuration(tmp_path_factory: pytest.TempPathFactory) -> Path:
     )
     assert count == 1
     (place / "rig.toml").write_text(stated)
-    new(place / "handed-over", seed=5, strength="full", shots=12)
+    write_challenge(place / "handed-over", {}, seed=5, shots=12)
     words = ["import", str(place / "handed-over"), "--name", "nylon"]
     assert run([*words, "--config", str(place / "rig.toml")]) == 0
     return place / "rig.toml"

@@ -12,6 +12,7 @@ import rigctl
 from rigctl.cli import run
 from rigctl.sweeps.form import read_sweep
 from simulators.challenge import write_challenge
+from tests.invoked import rigctl as rigctl_command
 
 SHOTS = 60
 KEYS = {
@@ -30,24 +31,35 @@ def strange(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def laws(strange: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the folder into which its proposal was written."""
+def laws(strange: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]:
+    """Return the folder into which its proposal was written, and the document."""
     folder = tmp_path_factory.mktemp("laws")
-    assert run(["model", "propose", str(strange), "--write", str(folder)]) == 0
+    return folder, answered(str(strange), "--write", str(folder))
+
+
+@pytest.fixture(scope="module")
+def other(strange: Path) -> Path:
+    """Return another campaign with the same bump."""
+    folder = strange.with_name("other")
+    write_challenge(folder, {"restitution-bump": 0.008}, seed=5, shots=SHOTS)
     return folder
 
 
-def asked(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
-    capsys.readouterr()
-    assert run(["model", "propose", *words, "--json"]) == 0
-    found: dict[str, Any] = json.loads(capsys.readouterr().out)
+@pytest.fixture(scope="module")
+def together(strange: Path, other: Path) -> dict[str, Any]:
+    """Return what both are said to share, as this process finds it."""
+    return answered(str(strange), "--together", str(other))
+
+
+def answered(*words: str) -> dict[str, Any]:
+    done = rigctl_command("model", "propose", *words, "--json")
+    assert done.returncode == 0, done.stderr
+    found: dict[str, Any] = json.loads(done.stdout)
     return found
 
 
-def test_the_document_has_the_keys_of_the_contract(
-    strange: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    found = asked(capsys, str(strange))
+def test_the_document_has_the_keys_of_the_contract(laws: tuple[Path, dict[str, Any]]) -> None:
+    _, found = laws
     assert (found["campaign"], found["shots"], found["verdict"]) == ("strange", SHOTS, "proposal")
     [one] = found["proposals"]
     assert set(one) == KEYS
@@ -58,27 +70,31 @@ def test_the_document_has_the_keys_of_the_contract(
 
 
 def test_the_files_are_an_effect_that_can_be_fitted_and_a_sweep(
-    strange: Path, laws: Path, capsys: pytest.CaptureFixture[str]
+    strange: Path, laws: tuple[Path, dict[str, Any]], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert {path.name for path in laws.iterdir()} == {
+    folder, _ = laws
+    assert {path.name for path in folder.iterdir()} == {
         "proposed_e_speed_n_bump.py",
         "next_shots.toml",
     }
     name = "proposed-e-speed-n-bump"
     capsys.readouterr()
-    words = ["model", "fit", str(strange), "--with", name, "--effects", str(laws), "--json"]
+    words = ["model", "fit", str(strange), "--with", name, "--effects", str(folder), "--json"]
     assert run(words) == 0
     amplitude = json.loads(capsys.readouterr().out)["parameters"][f"{name}.a"]
     assert abs(amplitude["value"] - 0.008) < 5 * amplitude["sigma"]
-    assert len(read_sweep(laws / "next_shots.toml").shots) > 1
+    assert len(read_sweep(folder / "next_shots.toml").shots) > 1
 
 
 def test_a_form_is_confirmed_on_another_campaign_and_refused_on_its_own_shots(
-    strange: Path, laws: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    strange: Path,
+    laws: tuple[Path, dict[str, Any]],
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
-    file = str(laws / "proposed_e_speed_n_bump.py")
+    file = str(laws[0] / "proposed_e_speed_n_bump.py")
     write_challenge(tmp_path / "again", {"restitution-bump": 0.008}, seed=4, shots=SHOTS)
-    found = asked(capsys, str(tmp_path / "again"), "--confirm", file)
+    found = answered(str(tmp_path / "again"), "--confirm", file)
     assert (found["confirmed"], found["used"]) == (True, SHOTS)
     assert run(["model", "propose", str(strange), "--confirm", file]) == 2
     assert "0 shots of these did not take part" in capsys.readouterr().err
@@ -105,14 +121,14 @@ def test_a_law_of_the_launch_is_written_and_confirmed_on_the_launches_that_follo
 ) -> None:
     first, second = warm(tmp_path / "first", 3, 0.01), warm(tmp_path / "second", 8, 0.01)
     laws = tmp_path / "laws"
-    found = asked(capsys, str(first), "--write", str(laws))
+    found = answered(str(first), "--write", str(laws))
     [one] = found["proposals"]
     assert (one["slot"], one["argument"]) == ("launch", "temperature_c")
     [file] = found["files"]
     assert one["form"]["shots"] == f"1-{SHOTS}"
-    tested = asked(capsys, str(second), "--confirm", file)
+    tested = answered(str(second), "--confirm", file)
     assert (tested["confirmed"], tested["p_value"] < 1e-6) == (True, True)
-    plain = asked(capsys, str(warm(tmp_path / "plain", 9, 0.0)), "--confirm", file)
+    plain = answered(str(warm(tmp_path / "plain", 9, 0.0)), "--confirm", file)
     assert plain["p_value"] > 1e-4
     assert run(["model", "propose", str(first), "--confirm", file]) == 2
     assert "0 shots of these did not take part" in capsys.readouterr().err
@@ -129,34 +145,29 @@ def test_a_file_that_states_no_form_is_refused(
 
 
 def test_several_campaigns_are_asked_at_once(
-    strange: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    strange: Path, other: Path, together: dict[str, Any]
 ) -> None:
-    write_challenge(tmp_path / "other", {"restitution-bump": 0.008}, seed=5, shots=SHOTS)
-    found = asked(capsys, str(strange), "--together", str(tmp_path / "other"))
-    assert found["campaigns"] == ["strange", "other"]
-    first = found["shared"][0]
+    assert together["campaigns"] == ["strange", "other"]
+    first = together["shared"][0]
     assert (first["slot"], first["argument"]) == ("e", "speed_n")
     assert [own["campaign"] for own in first["each"]] == ["strange", "other"]
-    python = rigctl.open(strange).propose_together(rigctl.open(tmp_path / "other"))
-    assert python == found
+    assert rigctl.open(strange).propose_together(rigctl.open(other)) == together
 
 
 def test_processes_read_and_ask_their_own_campaigns_with_the_same_answer(
-    strange: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    strange: Path, other: Path, together: dict[str, Any]
 ) -> None:
-    write_challenge(tmp_path / "third", {"restitution-bump": 0.008}, seed=6, shots=SHOTS)
-    words = [str(strange), "--together", str(tmp_path / "third")]
-    here, there = asked(capsys, *words), asked(capsys, *words, "--workers", "1")
-    assert there["campaigns"] == ["strange", "third"]
+    there = answered(str(strange), "--together", str(other), "--workers", "1")
+    assert there["campaigns"] == ["strange", "other"]
     assert [(one["slot"], one["argument"]) for one in there["shared"]] == [
-        (one["slot"], one["argument"]) for one in here["shared"]
+        (one["slot"], one["argument"]) for one in together["shared"]
     ]
-    first, second = here["shared"][0]["amplitude"], there["shared"][0]["amplitude"]
+    first, second = together["shared"][0]["amplitude"], there["shared"][0]["amplitude"]
     assert second == pytest.approx(first, rel=1e-6)
 
 
 def test_columns_of_words_with_gaps_that_never_change_or_copy_are_named_with_what_to_do(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path,
 ) -> None:
     write_challenge(tmp_path / "odd", {}, seed=1, shots=24)
     path = tmp_path / "odd" / "shots.csv"
@@ -168,7 +179,7 @@ def test_columns_of_words_with_gaps_that_never_change_or_copy_are_named_with_wha
         for k, row in enumerate(rows)
     ]
     path.write_text("\n".join([f"{head},paper,humidity_pct,lamp_c,room_k", *more]) + "\n")
-    said = {one["argument"]: one for one in asked(capsys, str(tmp_path / "odd"))["left_out"]}
+    said = {one["argument"]: one for one in answered(str(tmp_path / "odd"))["left_out"]}
     assert said["paper"]["reason"] == "holds words"
     assert said["humidity_pct"]["reason"] == "empty in some shots"
     assert said["lamp_c"]["reason"] == "the same in all shots, 31.5"

@@ -1,6 +1,7 @@
-"""A daemon that is killed at a chosen point of one shot. Run by the recovery tests.
+"""Daemons that are killed at chosen points of one shot. Run by the recovery tests.
 
-Usage: python killed_daemon.py FOLDER POINT
+Usage: python killed_daemon.py FOLDER POINT... Each point has a process of its own, and a folder
+below FOLDER with its number; the signals that ended them are printed, one a line.
 """
 
 from __future__ import annotations
@@ -62,5 +63,17 @@ def main(folder: Path, point: str) -> None:
     lab.rig.fire(token, "the key", "body", actor="anna")
 
 
+def ended_by(folder: Path, point: str) -> int:
+    """Run a daemon in a process of its own; return the signal that ended it, 0 for none."""
+    folder.mkdir()
+    if (child := os.fork()) == 0:
+        main(folder, point)
+        os._exit(0)
+    _, status = os.waitpid(child, 0)
+    return os.WTERMSIG(status) if os.WIFSIGNALED(status) else 0
+
+
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), sys.argv[2])
+    # What is loaded is loaded once.
+    for number, point in enumerate(sys.argv[2:]):
+        sys.stdout.write(f"{ended_by(Path(sys.argv[1]) / str(number), point)}\n")

@@ -40,18 +40,28 @@ def fires(folder: Path) -> int:
     return len(counter.read_text().splitlines()) if counter.exists() else 0
 
 
-@pytest.mark.parametrize("case", POINTS, ids=lambda case: case[0])
-def test_after_a_kill_the_shot_is_closed_and_never_fired_again(
-    tmp_path: Path, case: tuple[str, int, str, str, str]
-) -> None:
-    point, fired, shot_state, flown, rig_state = case
-    killed = subprocess.run(
-        [sys.executable, str(DAEMON), str(tmp_path), point], timeout=60, check=False
+@pytest.fixture(scope="module")
+def killed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the folder of daemons that were killed, each in a folder with its point's number."""
+    folder = tmp_path_factory.mktemp("killed")
+    done = subprocess.run(
+        [sys.executable, str(DAEMON), str(folder), *(case[0] for case in POINTS)],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=True,
     )
-    assert killed.returncode == -signal.SIGKILL
-    assert fires(tmp_path) == fired
+    assert done.stdout.split() == [str(int(signal.SIGKILL))] * len(POINTS)
+    return folder
 
-    lab = Laboratory(tmp_path / "data")
+
+@pytest.mark.parametrize("number", range(len(POINTS)), ids=[case[0] for case in POINTS])
+def test_after_a_kill_the_shot_is_closed_and_never_fired_again(killed: Path, number: int) -> None:
+    _, fired, shot_state, flown, rig_state = POINTS[number]
+    folder = killed / str(number)
+    assert fires(folder) == fired
+
+    lab = Laboratory(folder / "data")
     shot = lab.store.shot("20260131-000001")
     assert (shot.state, shot.outcome, shot.fired) == (shot_state, shot_state, flown)
     assert lab.state == rig_state

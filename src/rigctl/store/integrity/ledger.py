@@ -57,8 +57,8 @@ def begin(connection: Connection, seal: Seal, after: Anchor | None = None) -> No
     first: _Entry = (about, json.dumps([last.entry, last.digest]), None)
     _append(connection, seal, last, [first])
     for table in GUARDED.values():
-        found = connection.execute(select(table)).all()
-        _append(connection, seal, _head(connection), [_entry(table, row) for row in found])
+        if found := connection.execute(select(table)).all():
+            _append(connection, seal, _head(connection), [_entry(table, row) for row in found])
 
 
 def note(connection: Connection, table: Table, *where: ColumnElement[bool]) -> None:
