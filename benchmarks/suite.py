@@ -44,7 +44,7 @@ class CpuSeconds:
     """Plugin of pytest that adds up what each test and each fixture costs."""
 
     def __init__(self) -> None:
-        self._used_s = 0.0
+        self._last_s, self._lost_s = 0.0, 0.0
         self.tests: Costs = defaultdict(Spent)
         self.fixtures: Costs = defaultdict(Spent)
 
@@ -65,9 +65,11 @@ class CpuSeconds:
         return result
 
     def _so_far_s(self) -> float:
-        """Return it without a step back where a process ends for which nobody has waited."""
-        self._used_s = max(self._used_s, cpu_s())
-        return self._used_s
+        """Return it with what went with processes that ended and for which nobody has waited."""
+        now = cpu_s()
+        self._lost_s += max(0.0, self._last_s - now)
+        self._last_s = now
+        return now + self._lost_s
 
 
 def cpu_s() -> float:
