@@ -31,10 +31,10 @@ class Spent(NamedTuple):
 
     cpu_s: float = 0.0
     idle_s: float = 0.0
-    count: int = 0
+    times: int = 0
 
     def plus(self, other: Spent) -> Spent:
-        return Spent(*(one + two for one, two in zip(self, other, strict=True)))
+        return Spent(self.cpu_s + other.cpu_s, self.idle_s + other.idle_s, self.times + other.times)
 
 
 Costs = dict[str, Spent]
@@ -83,7 +83,7 @@ def table(costs: Mapping[str, Spent], name: str, top: int | None = None) -> None
     """Print the costs, the most first."""
     print(f"\nCPU s   idle  times {name}")
     for key, spent in sorted(costs.items(), key=lambda each: -each[1].cpu_s)[:top]:
-        print(f"{spent.cpu_s:6.2f} {spent.idle_s:6.1f} {spent.count:5} {key}")
+        print(f"{spent.cpu_s:6.2f} {spent.idle_s:6.1f} {spent.times:5} {key}")
 
 
 def grouped(costs: Mapping[str, Spent], name: str) -> Costs:
