@@ -38,18 +38,6 @@ def command(folder: Path, *arguments: str) -> Invoked:
     return rigctl(*arguments, folder=folder, key="")
 
 
-def as_process(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [*RIGCTL, *arguments],
-        cwd=folder,
-        env={**os.environ, "RIGCTL_KEY": ""},
-        capture_output=True,
-        text=True,
-        timeout=WAIT_S,
-        check=False,
-    )
-
-
 @contextmanager
 def daemon_process(folder: Path) -> Iterator[subprocess.Popen[str]]:
     process = subprocess.Popen(
@@ -77,42 +65,49 @@ def address(folder: Path) -> tuple[str, dict[str, str]]:
     return written["url"], {"Authorization": f"Bearer {written['key']}"}
 
 
+@pytest.fixture(scope="module")
+def serving(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Path, str]]:
+    """A daemon: the folder it runs in, and how it greets."""
+    folder = tmp_path_factory.mktemp("serving")
+    with daemon_process(folder) as process:
+        yield folder, greeting(process)
+
+
 def test_a_shot_goes_from_the_command_line_through_the_daemon_to_its_frames(
-    tmp_path: Path,
+    serving: tuple[Path, str],
 ) -> None:
-    with daemon_process(tmp_path) as process:
-        line = greeting(process)
-        url, headers = address(tmp_path)
-        key = headers["Authorization"].removeprefix("Bearer ")
-        assert f"{url}/?key={key}" in line
-        assert "simulated" in line
-        mode = (tmp_path / "data" / "service.json").stat().st_mode
-        assert stat.S_IMODE(mode) == 0o600
+    folder, line = serving
+    url, headers = address(folder)
+    key = headers["Authorization"].removeprefix("Bearer ")
+    assert f"{url}/?key={key}" in line
+    assert "simulated" in line
+    mode = (folder / "data" / "service.json").stat().st_mode
+    assert stat.S_IMODE(mode) == 0o600
 
-        order = ("shot", "--pressure-kpa", "40", "--offset-mm", "6", "--campaign", "one", "--json")
-        done = as_process(tmp_path, *order)
-        document = json.loads(done.stdout)
-        assert done.returncode == (0 if document["state"] == "analysed" else 4), done.stderr
-        assert document["state"] in {"analysed", "refused"}
-        assert (document["campaign"], document["fired"]) == ("one", "yes")
-        assert document["result"]["shot"] == document["shot"]
+    order = ("shot", "--pressure-kpa", "40", "--offset-mm", "6", "--campaign", "one", "--json")
+    done = command(folder, *order)
+    document = json.loads(done.stdout)
+    assert done.returncode == (0 if document["state"] == "analysed" else 4), done.stderr
+    assert document["state"] in {"analysed", "refused"}
+    assert (document["campaign"], document["fired"]) == ("one", "yes")
+    assert document["result"]["shot"] == document["shot"]
 
-        frame = httpx.get(
-            f"{url}/api/v1/shots/{document['shot']}/frames/0.png", headers=headers, timeout=WAIT_S
-        )
-        picture = cv2.imdecode(np.frombuffer(frame.content, np.uint8), cv2.IMREAD_UNCHANGED)
-        assert picture is not None
-        assert picture.shape == (192, 240)
+    frame = httpx.get(
+        f"{url}/api/v1/shots/{document['shot']}/frames/0.png", headers=headers, timeout=WAIT_S
+    )
+    picture = cv2.imdecode(np.frombuffer(frame.content, np.uint8), cv2.IMREAD_UNCHANGED)
+    assert picture is not None
+    assert picture.shape == (192, 240)
 
-        for arguments, code, words in REFUSED:
-            refused = command(tmp_path, "shot", *arguments)
-            assert (refused.returncode, refused.stdout) == (code, "")
-            assert words in refused.stderr
-        stopped = httpx.post(f"{url}/api/v1/rig/estop", timeout=WAIT_S)
-        assert stopped.json()["state"] == "estop"
-        refused = command(tmp_path, *order)
-        assert (refused.returncode, refused.stdout) == (3, "")
-        assert "release" in refused.stderr
+    for arguments, code, words in REFUSED:
+        refused = command(folder, "shot", *arguments)
+        assert (refused.returncode, refused.stdout) == (code, "")
+        assert words in refused.stderr
+    stopped = httpx.post(f"{url}/api/v1/rig/estop", timeout=WAIT_S)
+    assert stopped.json()["state"] == "estop"
+    refused = command(folder, *order)
+    assert (refused.returncode, refused.stdout) == (3, "")
+    assert "release" in refused.stderr
 
 
 REFUSED = [
@@ -123,31 +118,25 @@ REFUSED = [
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_ends_the_daemon_within_a_bound_and_lets_listeners_go(
+def test_a_signal_in_the_middle_of_a_shot_lets_it_end_and_stores_it_and_lets_listeners_go(
     tmp_path: Path, number: signal.Signals
 ) -> None:
     with daemon_process(tmp_path) as process:
         greeting(process)
         url, headers = address(tmp_path)
-        with httpx.stream("GET", f"{url}/api/v1/events", headers=headers, timeout=WAIT_S) as answer:
+        with (
+            httpx.Client(base_url=f"{url}/api/v1", headers=headers, timeout=WAIT_S) as client,
+            client.stream("GET", "/events") as answer,
+        ):
             lines = answer.iter_lines()
             assert next(lines) == "event: rig"
+            token = client.post("/rig/arm", json=SETTINGS).json()["arm_token"]
+            order = {"arm_token": token}
+            shot = client.post("/shots", json=order, headers={"Idempotency-Key": "k"}).json()
             process.send_signal(number)
             assert "event: end" in list(lines)
         assert process.wait(WAIT_S) == 0
         assert not (tmp_path / "data" / "service.json").exists()
-
-
-def test_a_signal_in_the_middle_of_a_shot_lets_it_end_and_stores_it(tmp_path: Path) -> None:
-    with daemon_process(tmp_path) as process:
-        greeting(process)
-        url, headers = address(tmp_path)
-        with httpx.Client(base_url=f"{url}/api/v1", headers=headers, timeout=WAIT_S) as client:
-            token = client.post("/rig/arm", json=SETTINGS).json()["arm_token"]
-            order = {"arm_token": token}
-            shot = client.post("/shots", json=order, headers={"Idempotency-Key": "k"}).json()
-        process.send_signal(signal.SIGTERM)
-        assert process.wait(WAIT_S) == 0
     store = Store(tmp_path / "data")
     try:
         record = store.shot(shot["shot"])
@@ -159,16 +148,14 @@ def test_a_signal_in_the_middle_of_a_shot_lets_it_end_and_stores_it(tmp_path: Pa
         store.close()
 
 
-def test_a_port_that_is_taken_is_refused_before_any_device_is_opened(tmp_path: Path) -> None:
-    with daemon_process(tmp_path) as process:
-        greeting(process)
-        url, _ = address(tmp_path)
-        other = tmp_path / "other"
-        other.mkdir()
-        refused = as_process(other, "serve", "--port", url.rpartition(":")[2])
-        assert refused.returncode == 2
-        assert "--port" in refused.stderr
-        assert not (other / "data").exists()
+def test_a_port_that_is_taken_is_refused_before_any_device_is_opened(
+    serving: tuple[Path, str], tmp_path: Path
+) -> None:
+    url, _ = address(serving[0])
+    refused = command(tmp_path, "serve", "--port", url.rpartition(":")[2])
+    assert refused.returncode == 2
+    assert "--port" in refused.stderr
+    assert not (tmp_path / "data").exists()
 
 
 def test_the_network_is_refused_without_encryption(tmp_path: Path) -> None:
@@ -177,7 +164,7 @@ def test_the_network_is_refused_without_encryption(tmp_path: Path) -> None:
     assert open_to_all != default.read_text()
     (tmp_path / "rig.toml").write_text(open_to_all)
     key = ("--key", "key-of-the-thread-2026")
-    refused = as_process(tmp_path, "serve", "--config", "rig.toml", *key)
+    refused = command(tmp_path, "serve", "--config", "rig.toml", *key)
     assert refused.returncode == 2
     assert "service.host" in refused.stderr
     assert "service.tls_certificate" in refused.stderr
