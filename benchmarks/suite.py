@@ -1,6 +1,6 @@
 """CPU seconds of tests, by folder, file, test and fixture: what a busy machine's clock cannot say.
 
-    python -m benchmarks.suite tests/unit/rig [--top 40] [--keep out/suite.json]
+    python -m benchmarks.suite tests/unit/rig [-m long] [--top 40] [--keep out/suite.json]
     python -m benchmarks.suite --kept out/suite.json [--below tests/unit/rig]
 
 The tests run one after another in this process. A test counts with its fixtures' set-up and
@@ -99,19 +99,21 @@ def grouped(costs: Mapping[str, Spent], name: str) -> Costs:
 def main() -> None:
     """Run the tests, or take what was kept of a run, and print what they cost."""
     arguments = argparse.ArgumentParser(description=__doc__)
-    arguments.add_argument("tests", nargs="*", help="what pytest takes")
+    arguments.add_argument("tests", nargs="*")
+    arguments.add_argument("-m", dest="marks", help="of which marks: as pytest takes it")
     arguments.add_argument("--top", type=int, default=40)
     arguments.add_argument("--keep", type=Path, help="write what was measured to this file")
     arguments.add_argument("--kept", type=Path, help="print what an earlier run has kept")
     arguments.add_argument("--below", default="", help="of what was kept, only names that begin so")
-    given, others = arguments.parse_known_args()
+    given = arguments.parse_args()
     plugin = CpuSeconds()
     if given.kept is not None:
         kept = json.loads(given.kept.read_text())
         for costs, name in ((plugin.tests, "tests"), (plugin.fixtures, "fixtures")):
             costs.update({key: Spent(*each) for key, each in kept[name].items()})
     else:
-        pytest.main(["-q", "-p", "no:cacheprovider", *given.tests, *others], plugins=[plugin])
+        marks = [] if given.marks is None else ["-m", given.marks]
+        pytest.main(["-q", "-p", "no:cacheprovider", *marks, *given.tests], plugins=[plugin])
     if given.keep is not None:
         kept = {"tests": plugin.tests, "fixtures": plugin.fixtures}
         given.keep.write_text(json.dumps(kept))

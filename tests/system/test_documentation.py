@@ -17,6 +17,8 @@ from pathlib import Path
 import cv2
 import pytest
 
+from tests.invoked import rigctl
+
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 TUTORIAL = DOCS / "tutorials" / "first-shot.md"
@@ -265,10 +267,7 @@ def page_commands(page: Path) -> str:
 
 
 def test_every_option_of_the_analysis_is_explained() -> None:
-    command = [sys.executable, "-c", "from rigctl.cli import main; main()", "analyse", "--help"]
-    done = subprocess.run(
-        command, capture_output=True, text=True, timeout=ENDS_WITHIN_S, check=True
-    )
+    done = rigctl("analyse", "--help")
     options = set(re.findall(r"^ +(--[a-z-]+)", done.stdout, re.MULTILINE)) - {"--help"}
     assert options
     explained = page_commands(ANALYSE) + page_commands(FILM)
