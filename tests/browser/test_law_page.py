@@ -32,7 +32,10 @@ def campaigns(served: Served) -> None:
 def test_a_law_is_proposed_beside_unexplained_and_two_clicks_fire_the_shots_that_confirm_it(
     page: Page, served: Served
 ) -> None:
-    page.goto(f"{served.url}/model/strange?view=tables")
+    page.goto(f"{served.url}/model/strange")
+    # Its shots came without frames.
+    expect(page.get_by_test_id("ghost-frame")).to_be_visible(timeout=LONG_MS)
+    page.get_by_test_id("view-tables").click()
     page.get_by_test_id("explain").click(timeout=LONG_MS)
     expect(page.get_by_test_id("explained")).to_contain_text(
         "something is missing that the catalogue does not hold", timeout=LONG_MS

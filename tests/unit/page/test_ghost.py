@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
+from rigctl.page.model.story.film import scene_of
 from rigctl.page.model.story.ghost import of_film, of_places
 from rigctl.page.shots.films import Film
 from rigctl.page.shots.overlay import Overlays
@@ -48,6 +50,12 @@ def test_the_gap_is_drawn_in_each_view_and_said_in_mm() -> None:
     assert front[4:] == [-0.4, 0.3]
     assert last["gap"] == pytest.approx(1.3)
     assert of_places(PATHS).plainest == 2
+
+
+def test_a_stored_shot_without_frames_is_drawn_from_its_places() -> None:
+    films: Any = None
+    imported: Any = SimpleNamespace(id="20260131-000001", frames=None)
+    assert scene_of(PATHS, imported, films) == scene_of(PATHS, None, films) == of_places(PATHS)
 
 
 def test_it_begins_where_all_spheres_are_seen() -> None:

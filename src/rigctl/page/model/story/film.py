@@ -13,10 +13,19 @@ from rigctl.page.model.story.ghost import Scene, ghost_film, of_film, of_places
 from rigctl.page.parts.presence import every
 from rigctl.page.parts.waiting import Waiting
 from rigctl.page.parts.widgets import button
+from rigctl.page.shots.films import Films
+from rigctl.store import ShotRecord
 
 FILMED = ("Typical", "Largest gap", "Smallest gap")
 """As `analysis.model.agreement.predicted_paths` orders its shots."""
 LOOK_S = 0.1
+
+
+def scene_of(paths: Json, stored: ShotRecord | None, films: Films) -> Scene:
+    """Return a shot's film with the outlines; where it has no frames, both views of its places."""
+    if stored is None or not stored.frames:
+        return of_places(paths)
+    return of_film(paths, stored.id, films.film(stored))
 
 
 class ShotFilm:
@@ -67,7 +76,9 @@ class ShotFilm:
             Waiting(self._desk, "Following the shot", lambda: self._asked.running or "", "follows")
             if self._said:
                 ui.label(self._said).classes("note fails")
-            if (shown := self._shown()) is not None and (scene := self._scene(shown)) is not None:
+            if (shown := self._shown()) is not None:
+                stored = self._state.source.stored(shown["shot"])
+                scene = scene_of(shown, stored, self._desk.films)
                 ghost_film(scene, shown["shot"], shown["gap_mm"])
             ui.label(
                 "Solid: where each sphere was measured. Dashed: where the model, given the flight "
@@ -99,13 +110,6 @@ class ShotFilm:
     def _shown(self) -> Json | None:
         known = [*self._paths, *([] if self._more is None else [self._more])]
         return next((own for own in known if own["shot"] == self._wanted), None)
-
-    def _scene(self, shown: Json) -> Scene | None:
-        stored = self._state.source.stored(shown["shot"])
-        if stored is None:
-            return of_places(shown)
-        film = self._desk.films.film(stored)
-        return of_places(shown) if film is None else of_film(shown, stored.id, film)
 
     def _follow(self) -> None:
         if not self._asked.follow():
