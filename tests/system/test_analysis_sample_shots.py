@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +13,9 @@ from scipy.spatial.transform import Rotation
 from analysis.campaign import analyse_campaign, read_campaign
 from analysis.shot import AnalysisOptions, MeasuredShot
 from rigctl import cli
+from tests.invoked import rigctl
 
 SAMPLES = Path(__file__).resolve().parents[3] / "shared" / "data" / "sample-shots"
-LONGEST_RUN_S = 220.0
 
 pytestmark = [
     pytest.mark.shared_data,
@@ -85,13 +83,6 @@ def test_no_marker_is_mixed_up_with_another(
             aligned = (world.inv() * found).mean()
             degrees = np.degrees((world * aligned * found.inv()).magnitude())
             assert degrees.max() < 3.0, (number, "ab"[i])
-
-
-def rigctl(*arguments: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-c", "from rigctl.cli import main; main()", *arguments]
-    return subprocess.run(
-        command, capture_output=True, text=True, timeout=LONGEST_RUN_S, check=False
-    )
 
 
 NUMBERS = {"v_n": "m/s", "v_s": "m/s", "v_n_after": "m/s", "v_s_after": "m/s", "e": "1"}
