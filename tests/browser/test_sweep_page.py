@@ -86,7 +86,7 @@ def test_proposed_shots_open_as_a_form_and_fire_nothing_by_themselves(
 
 
 def test_a_shot_of_a_sweep_is_excluded_with_a_reason_and_counts_again(page: Page) -> None:
-    started(page, repeat=1)
+    started(page, repeat=1, points=1)
     expect(page.get_by_test_id("sweep-state")).to_contain_text("completed", timeout=LONG_MS)
     page.get_by_role("link", name="Campaigns").click()
     page.get_by_test_id("campaigns").get_by_role("cell", name="sweep").click()
@@ -104,23 +104,26 @@ def test_a_shot_of_a_sweep_is_excluded_with_a_reason_and_counts_again(page: Page
     expect(page.get_by_test_id("exclude")).to_be_visible()
 
 
-def started(page: Page, repeat: int) -> None:
-    """Start a sweep of two pressures and two offsets, and stay on its page."""
+def started(page: Page, repeat: int, points: int = 2) -> None:
+    """Start a sweep of so many pressures and as many offsets, and stay on its page."""
     page.get_by_role("link", name="Sweeps").click()
     # What is typed before the page is connected is not heard.
     page.get_by_test_id("preview").wait_for()
     page.wait_for_function("window.did_handshake")
     page.get_by_test_id("repeat").fill(str(repeat))
     expect(page.get_by_test_id("sweep-text")).to_have_text(f"{24 * repeat} shots")
-    fields = {"p0": 40, "p1": 60, "pn": 2, "o0": 6, "o1": 8, "on": 2}
+    fields = {"p0": 40, "p1": 60, "pn": points, "o0": 6, "o1": 8, "on": points}
     for field, value in fields.items():
         page.get_by_test_id(field).fill(str(value))
     for field, value in fields.items():
         expect(page.get_by_test_id(field)).to_have_value(str(value))
-    expect(page.get_by_test_id("sweep-text")).to_have_text(f"{4 * repeat} shots")
+    expect(page.get_by_test_id("sweep-text")).to_have_text(
+        re.compile(rf"^{points**2 * repeat} shots?$")
+    )
     preview = page.get_by_test_id("preview")
-    expect(preview).to_contain_text("sliding ÷ approach from about 0.24 to 0.33")
-    expect(preview.locator(".scatterlayer .point")).to_have_count(4)
+    if points == 2:
+        expect(preview).to_contain_text("sliding ÷ approach from about 0.24 to 0.33")
+    expect(preview.locator(".scatterlayer .point")).to_have_count(points**2)
     page.get_by_test_id("start-sweep").click()
     page.wait_for_url(re.compile(r"/sweeps/\d{8}-s\d{4}$"))
 
