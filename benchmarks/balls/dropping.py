@@ -27,6 +27,8 @@ class Drop:
         e0, slope and power: e = e0 - slope v^power.
     grip
         Share of the speed along the floor that a bounce leaves.
+    lean
+        Of the floor against the horizontal, rad: things on it run to greater x.
     """
 
     diameter: float
@@ -36,6 +38,7 @@ class Drop:
     speed: Floats
     restitution: tuple[float, float, float]
     grip: float
+    lean: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +63,7 @@ def fly(drop: Drop, lasts: float) -> tuple[Floats, Floats, list[Bounce]]:
     count = int(lasts / STEP_S)
     places = np.empty((count, 3))
     x, v = drop.start.astype(float).copy(), drop.speed.astype(float).copy()
-    down = np.array([0.0, -GRAVITY, 0.0])
+    down = GRAVITY * np.array([np.sin(drop.lean), -np.cos(drop.lean), 0.0])
     bounces = []
     for n in range(count):
         places[n] = x

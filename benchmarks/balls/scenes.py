@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,6 +15,9 @@ Floats = NDArray[np.float64]
 
 KINDS = ("12 bits", "8 bits", "telephone")
 SIZES = {"12 bits": (224, 128), "8 bits": (320, 144), "telephone": (480, 270)}
+
+ROLL, LEAN = 0.02, 0.007
+"""rad: of cameras that stand by eye, and of floors and tables that are laid level."""
 
 
 def scene(kind: str, seed: int) -> Scene:
@@ -71,7 +76,8 @@ def scene(kind: str, seed: int) -> Scene:
         grip=rng.uniform(0.6, 0.9),
     )
     camera, frames = _camera(kind, rng, top, thrown, diameter)
-    return stage, drop, camera, frames
+    stage = replace(stage, roll=rng.normal(0.0, ROLL))
+    return stage, replace(drop, lean=rng.normal(0.0, LEAN)), camera, frames
 
 
 def _colour(rng: np.random.Generator, kind: str) -> Floats:

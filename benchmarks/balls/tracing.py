@@ -41,6 +41,8 @@ class Stage:
         Depth of dark spots with sharp rims on the ball, and by how much it is turned, rad.
     seams, logo
         Depth of two dark seams round the ball, and of a round print on it.
+    roll
+        Of the camera about its line of sight, rad: what is on the right is seen higher.
     """
 
     size: tuple[int, int]
@@ -64,13 +66,14 @@ class Stage:
     turn: float = 0.0
     seams: float = 0.0
     logo: float = 0.0
+    roll: float = 0.0
 
     def numbers(self) -> Floats:
         """Return all but the boxes in one array."""
         plain = [self.focal_px, *self.eye, self.look_down, *self.lamp, self.lamp_size]
         plain += [self.ambient, *self.ball, self.gloss, self.blotches, *self.wall]
         plain += [*self.wall_other, self.check, self.wall_z, *self.floor, self.grain]
-        plain += [self.spots, self.turn, self.seams, self.logo]
+        plain += [self.spots, self.turn, self.seams, self.logo, self.roll]
         return np.array(plain, dtype=np.float64)
 
     def seen(self, place: Floats) -> Floats:
@@ -78,8 +81,10 @@ class Stage:
         x, y, z = place - self.eye
         c, s = math.cos(self.look_down), math.sin(self.look_down)
         ahead, up = c * z - s * y, s * z + c * y
+        c, s = math.cos(self.roll), math.sin(self.roll)
+        right, up = c * x - s * up, c * up + s * x
         row = 0.5 * (self.size[0] - 1) - self.focal_px * up / ahead
-        return np.array([row, 0.5 * (self.size[1] - 1) + self.focal_px * x / ahead])
+        return np.array([row, 0.5 * (self.size[1] - 1) + self.focal_px * right / ahead])
 
     def radius_px(self, place: Floats, radius_m: float) -> float:
         """Return a ball's radius in the picture."""
@@ -90,7 +95,7 @@ class Stage:
 
 FOCAL, EYE, LOOK, LAMP, LAMP_SIZE, AMBIENT, BALL, GLOSS, BLOTCHES = 0, 1, 4, 5, 8, 9, 10, 13, 14
 WALL, OTHER, CHECK, WALL_Z, FLOOR, GRAIN = 15, 18, 21, 22, 23, 26
-SPOTS, TURN, SEAMS, LOGO = 27, 28, 29, 30
+SPOTS, TURN, SEAMS, LOGO, ROLL = 27, 28, 29, 30, 31
 """Where the numbers of a stage begin."""
 FINE = 4
 """Samples of a pixel along each side."""
@@ -190,6 +195,13 @@ def _ground_along(eye: Floats, way: Floats, scene: Floats) -> float:
     return min(wall, floor)
 
 
+@part
+def _rolled(scene: Floats, right: float, up: float) -> tuple[float, float]:
+    """Return the direction that an upright camera would see where this one sees another."""
+    c, s = math.cos(scene[ROLL]), math.sin(scene[ROLL])
+    return c * right + s * up, c * up - s * right
+
+
 @compiled
 def near_ball(scene: Floats, ways: Floats, found: NDArray[np.bool_]) -> None:
     """Mark pixels whose middle sees the ball, or ground from which it hides part of the lamp.
@@ -208,6 +220,7 @@ def near_ball(scene: Floats, ways: Floats, found: NDArray[np.bool_]) -> None:
         for j in range(columns):
             up = (0.5 * (rows - 1) - i) / scene[FOCAL]
             right = (j - 0.5 * (columns - 1)) / scene[FOCAL]
+            right, up = _rolled(scene, right, up)
             way[0], way[1], way[2] = right, c * up - s, c + s * up
             _unit(way)
             ground = _ground_along(eye, way, scene)
@@ -263,7 +276,7 @@ def trace(
                 ball, radius = instant[:3], instant[3]
                 up = 0.5 * (rows - 1) - (i + (n // FINE + _random(state)) / FINE - 0.5)
                 right = j + (n % FINE + _random(state)) / FINE - 0.5 - 0.5 * (columns - 1)
-                up, right = up / scene[FOCAL], right / scene[FOCAL]
+                right, up = _rolled(scene, right / scene[FOCAL], up / scene[FOCAL])
                 way[0], way[1], way[2] = right, c * up - s, c + s * up
                 _unit(way)
                 met = _meets(eye, way, ball, radius)

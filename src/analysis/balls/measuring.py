@@ -37,11 +37,9 @@ MUCH_LEFT = 6.0
 """Mean square that a fit leaves, over the film's median: something else is at the ball."""
 LEAST_SIGMA = 0.3
 """Of the median stated error: no frame counts for more."""
-LEAST_E = 3e-4
-"""Standard error of e that drawn films of the best light leave (python -m benchmarks.balls)."""
 LEAST_CODEC_E = 1.2e-3
-"""The same of films from a codec: it moves rims by amounts that follow the ball's way, so that
-neither the scatter about the flights nor the radius tells (python -m benchmarks.balls --worlds)."""
+"""Standard error of e that a codec leaves: it moves rims by amounts that follow the ball's way, so
+that neither the scatter about the flights nor the radius tells (python -m benchmarks.balls)."""
 SPEED_STEP_S = 1e-4
 
 
@@ -129,12 +127,12 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
     for repeat in range(MOST_REPEATS if len(chain.times_s) else 0):
         head = film.head
         view = View(
-            head.height,
-            head.width,
+            *head.whole,
             period,
             placer.exposure_s,
             head.readout,
             focal_px=head.focal_px,
+            principal_px=head.principal,
         )
         observed, start = _observed(placed, times_s, leans), _start(found)
         stated = Known(ball, view, looks.radius_px, looks.radius_sigma_px)
@@ -256,6 +254,6 @@ def coefficient(measured: MeasuredBall, bounce: int) -> tuple[float, float]:
     value = contact[3] / contact[1]
     slope = slopes[3] / contact[1] - value * slopes[1] / contact[1]
     variance = float(slope @ flights.covariance @ slope)
-    least = LEAST_CODEC_E if measured.head.compressed else LEAST_E
-    systematic = math.hypot(float(measured.systematic_e[bounce]), least)
-    return float(value), math.hypot(math.sqrt(variance), systematic)
+    coded = LEAST_CODEC_E if measured.head.compressed else 0.0
+    own = math.sqrt(variance), float(measured.systematic_e[bounce]), flights.doubt, coded
+    return float(value), math.hypot(*own)

@@ -22,6 +22,9 @@ Json = dict[str, Any]
 UNBENDING = 8
 """Steps in which a lens's bending of a few per cent is undone to rounding."""
 SPEED_STEP_S = 1e-4
+LEAST_E = 3e-4
+"""Error of e whose bent flights are the least that single films leave: radius, outlines and light
+bend flights in ways that e does not feel, and the drag of the air does."""
 
 
 def ball_poses(measured: MeasuredBall, flights: Flights) -> Json:
@@ -54,12 +57,12 @@ def ball_poses(measured: MeasuredBall, flights: Flights) -> Json:
 
 
 def _slow(measured: MeasuredBall, flights: Flights, bounce: int) -> float:
-    """Return the error of places that leaves e of a bounce as uncertain as the whole film does, m.
+    """Return the error of places that leaves e of a bounce as uncertain as the film does, m.
 
     Rolling shutter, lens, line of sight and light bend flights; no scatter of places shows it. A
     fit of poses takes such errors of a ball without spin to make rates worst.
     """
-    _, sigma = coefficient(measured, bounce)
+    sigma = math.hypot(coefficient(measured, bounce)[1], LEAST_E)
     contact, arcs = flights.contacts[bounce], flights.arcs[flights.used]
     times = flights.observed.times_s[flights.used]
     before, after = (float(np.ptp(times[arcs == k])) for k in (bounce, bounce + 1))
@@ -75,8 +78,7 @@ def _in_plane(flights: Flights, times: Floats) -> Floats:
     """Return places in the plane of the flight as `path` has them, down and across, px, (N, 2)."""
     values = flights.values
     found = flights.at(times, flights.arcs)
-    middle = np.array([values[path.MIDDLE_ROW], values[path.MIDDLE_COLUMN]])
-    half = float(middle.max())
+    middle, half = values[path.PRINCIPAL], float(values[path.HALF])
     bent = flights.observed.places - middle
     straight = bent
     for _ in range(UNBENDING):

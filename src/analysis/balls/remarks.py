@@ -9,16 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.balls.films.film import FilmHead
-from analysis.balls.flight.flights import LEAST_PLACES, Flights
+from analysis.balls.flight.flights import LARGE_CHI2, LEAST_PLACES, MOST_LEFT_OUT, Flights
 from analysis.balls.measuring import MeasuredBall
 from analysis.balls.seen.arcs import Arc, Chain
 from analysis.errors import counted
 
 NEAR_RADII = 1.6
-LARGE_CHI2 = 400.0
-"""Mean square of the residuals in errors that a codec and shading do not make."""
-MOST_LEFT_OUT = 0.2
-"""Of all places, that lie off the flights or next to a contact."""
 SHOWN = 12
 """Frames that a sentence lists."""
 
@@ -191,7 +187,7 @@ def _of_flights(flights: Flights, head: FilmHead) -> Iterator[str]:
             f"{len(left_out)} of {len(flights.used)} places lie off free flights, from frame "
             f"{left_out[0]} at ({a:.0f}, {b:.0f}) px to frame {left_out[-1]} at ({c:.0f}, {d:.0f}) "
             "px: the film's rate varies and its times do not say so, or something holds or hides "
-            "the ball; e may be further off than its error says"
+            f"the ball; the error of e holds as much ({flights.doubt:.2f})"
         )
     if left_out:
         yield (

@@ -128,13 +128,25 @@ def test_a_film_that_lacks_frames_is_not_believed(tmp_path: Path, capsys: Capsys
         lambda t: t + np.maximum(t - 84 / RATE, 0.0),
         lambda t: t + 0.01 * np.sin(6.0 * t),
         lambda t: t + np.maximum(t - 44 / RATE, 0.0),
+        lambda t: t + np.maximum(t - 76 / RATE, 0.0),
+        lambda t: t - 0.5 * np.maximum(t - 108 / RATE, 0.0),
+        lambda t: t + 0.2 * np.maximum(t - 68 / RATE, 0.0),
     ],
-    ids=["half the rate after a bounce", "a rate that drifts", "half the rate before a bounce"],
+    ids=[
+        "half the rate at a bounce",
+        "a rate that drifts",
+        "half the rate before a bounce",
+        "half the rate after a bounce",
+        "twice the rate after a bounce",
+        "a slower rate after a bounce",
+    ],
 )
 def test_a_film_whose_rate_varies_without_times_is_not_believed(
     changes: Any, tmp_path: Path, capsys: Capsys
 ) -> None:
-    shot = analysed(odd_films.rate_varies(changes), tmp_path, capsys)
+    shot = analysed(odd_films.rate_varies(changes, 150), tmp_path, capsys)
+    found = [impact["e"] for impact in shot["impacts"]]
+    assert all(abs(e["value"] - 0.8) < 3 * e["sigma"] for e in found)
     notes = [note for note in shot["notes"] if "the film's rate varies" in note]
     assert notes
     assert all("frame " in note and " px" in note for note in notes)

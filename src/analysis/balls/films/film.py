@@ -49,6 +49,11 @@ class FilmHead:
         What about the file could not be checked, one sentence each.
     focal_px
         Focal length and its standard error, of a lens that was calibrated; None: not known.
+    whole_px
+        Rows and columns of the camera's picture that this is a part of; None: it is the whole.
+    principal_px
+        Principal point, (row, column) of this picture, which may lie outside a part; None: the
+        whole picture's middle.
     """
 
     frames: int
@@ -63,6 +68,18 @@ class FilmHead:
     readout: Readout = "global"
     notes: tuple[str, ...] = ()
     focal_px: tuple[float, float] | None = None
+    whole_px: tuple[int, int] | None = None
+    principal_px: tuple[float, float] | None = None
+
+    @property
+    def whole(self) -> tuple[int, int]:
+        """Return rows and columns of the camera's whole picture."""
+        return self.whole_px or (self.height, self.width)
+
+    @property
+    def principal(self) -> tuple[float, float]:
+        """Return the principal point, (row, column); that of a whole picture is its middle."""
+        return self.principal_px or (0.5 * (self.height - 1), 0.5 * (self.width - 1))
 
 
 def spread_frames(frames: int, frame_bytes: int) -> list[int]:

@@ -56,6 +56,7 @@ class PartOfFilm(Film):
         self._film, self._first, self._last = film, cut.first, last
         self._corner, self._size, self._turns = (top, left), (height, width), quarter_turns % 4
         across = self._turns % 2 == 1
+        rows, columns = head.whole
         turned: dict[str, str] = {"rows": "columns", "columns": "rows"} if across else {}
         times = head.times_s
         super().__init__(
@@ -67,8 +68,19 @@ class PartOfFilm(Film):
                 width=height if across else width,
                 times_s=None if times is None else times[cut.first : last] - times[cut.first],
                 readout=cast("object", turned.get(head.readout, head.readout)),  # type: ignore[arg-type]
+                whole_px=(columns, rows) if across else (rows, columns),
+                principal_px=self._turned(head.principal),
             ),
         )
+
+    def _turned(self, place: tuple[float, float]) -> tuple[float, float]:
+        """Return row and column here of a place of the whole film's pictures."""
+        row, column = place[0] - self._corner[0], place[1] - self._corner[1]
+        height, width = self._size
+        for _ in range(self._turns):
+            row, column = width - 1 - column, row
+            height, width = width, height
+        return row, column
 
     def _read(self) -> Iterator[Picture]:
         (top, left), (height, width) = self._corner, self._size

@@ -15,12 +15,12 @@ from analysis.balls.flight import path
 from analysis.balls.flight.flights import LEAST_PLACES, Flights, Ints, Observed, Start
 from analysis.balls.flight.known import (
     BARREL_SIGMA,
+    LEVEL_SIGMA,
     ROLL_SIGMA,
     SHORTENING,
     SHORTENING_SIGMA,
     SMEAR_SIGMA,
     STAY_S,
-    TILT_SIGMA,
     Known,
 )
 from analysis.balls.flight.outlines import outlines
@@ -44,6 +44,10 @@ LAST_MARGIN = 0.5
 """The same before the bounce that ends the last flight, whose time is not fitted."""
 NEAR_RADII = 1.5
 """Heights over the plate at which a ball lies over its shadow."""
+LEVEL = np.array([path.TILT, path.ROLL])
+"""Their sum is the plate's slope against the horizontal: a camera that is rolled turns both."""
+LOW_RADII = 0.5
+"""A flight that rises no higher ends a chain of higher ones: it lies over its own shadow."""
 LEAST_INFORMATION = 1e-20
 """Of a number that no place that counts depends on."""
 MOST_OPEN = 2.0
@@ -73,11 +77,11 @@ class _Problem:
         know(path.ROW_TIME, row_time, row_sigma)
         know(path.PERSPECTIVE, 0.0, view.perspective_sigma())
         know(path.ROLL, 0.0, ROLL_SIGMA)
-        know(path.TILT, 0.0, TILT_SIGMA)
         know(path.STAY, 0.0, STAY_S * ball.diameter_m / 0.02)
         know(path.SHORTENING, SHORTENING, SHORTENING_SIGMA)
-        know(path.MIDDLE_ROW, 0.5 * (view.height - 1), 0.0)
-        know(path.MIDDLE_COLUMN, 0.5 * (view.width - 1), 0.0)
+        for index, middle in zip(path.PRINCIPAL, view.principal(), strict=True):
+            know(index, middle, 0.0)
+        know(path.HALF, 0.5 * (max(view.height, view.width) - 1), 0.0)
         know(path.BIAS, 0.0, SMEAR_SIGMA * view.exposure_s)
         know(path.BARREL, 0.0, BARREL_SIGMA)
         know(path.ASLANT, *view.aslant())
@@ -112,6 +116,7 @@ class _Problem:
         units[path.SPEED] = 0.01 * speed
         units[path.ACROSS] = 0.01 * speed
         units[path.PLACE] = units[path.PLATE] = 1.0
+        units[path.TILT] = LEVEL_SIGMA
         units[path.COMMON :: path.EACH] = units[path.COMMON + 1 :: path.EACH] = 0.01 * speed
         return np.where(units > 0, units, 1.0)
 
@@ -130,6 +135,13 @@ class _Problem:
     def near(self, found: Floats) -> NDArray[np.bool_]:
         """Return which places lie within a few radii of the plate."""
         return np.asarray(np.abs(found[:, 0] - self.plate_row) < NEAR_RADII * self.radius_px)
+
+    def high(self, flights: Flights) -> NDArray[np.bool_]:
+        """Return which places belong to flights that leave the shadow at the plate."""
+        heights = self.plate_row - flights.observed.places[:, 0]
+        arcs = flights.arcs
+        tops = [heights[arcs == k].max(initial=0.0) for k in range(flights.bounces + 1)]
+        return np.asarray(np.array(tops)[arcs] > LOW_RADII * self.radius_px)
 
     def times(self, values: Floats) -> Floats:
         """Return when the ball's row was read in each frame."""
@@ -201,7 +213,7 @@ def fit_flights(
         if fitted is None or fitted.contradiction:
             problem.prior_sigma[path.FALL] = 10.0
             fitted = replace(_settle(problem, again=fitted is None and again), contradiction=True)
-        kept = _long_flights(fitted)
+        kept = _long_flights(fitted, problem.high(fitted))
         if len(kept) == fitted.bounces + 1:
             return fitted
         # A flight of few frames ends the chain, or the chain begins after it.
@@ -210,9 +222,10 @@ def fit_flights(
     return None
 
 
-def _long_flights(flights: Flights) -> list[int]:
+def _long_flights(flights: Flights, high: NDArray[np.bool_]) -> list[int]:
     """Return the neighbouring flights with enough frames that hold the most."""
-    counts = [int((flights.used & (flights.arcs == k)).sum()) for k in range(flights.bounces + 1)]
+    used = flights.used & high if (flights.used & high).sum() >= LEAST_PLACES else flights.used
+    counts = [int((used & (flights.arcs == k)).sum()) for k in range(flights.bounces + 1)]
     # What does not come and go again is no bounce: flights on its two sides are two chains.
     real = np.concatenate([[True], (flights.contacts[:, [1, 3]] > 0).all(axis=1)])
     best: list[int] = []
@@ -264,7 +277,8 @@ def _solve(
         errors = problem.observed.sigmas * enlarge
         off = (problem.observed.places - found[:, :2]) / errors
         prior = (moved[known] - problem.prior[known]) / problem.prior_sigma[known]
-        every = np.concatenate([off[used].ravel(), prior])
+        level = moved[LEVEL].sum(keepdims=True) / LEVEL_SIGMA if loose[LEVEL].all() else prior[:0]
+        every = np.concatenate([off[used].ravel(), prior, level])
         return np.asarray(np.nan_to_num(every, nan=1e6, posinf=1e6, neginf=-1e6))
 
     loss: Literal["soft_l1", "linear"] = "soft_l1" if soft else "linear"
@@ -317,6 +331,8 @@ def _described(problem: _Problem, values: Floats, chosen: _Chosen) -> Flights:
     design = place_slopes[used][:, :, free] / errors[..., None]
     normal = np.einsum("nap,naq->pq", design, design)
     normal += np.diag(1.0 / problem.prior_sigma[free] ** 2)
+    both = np.flatnonzero(np.isin(np.flatnonzero(free), LEVEL))
+    normal[np.ix_(both, both)] += 1.0 / LEVEL_SIGMA**2
     covariance = np.zeros((len(values), len(values)))
     # The numbers' units lie many powers of ten apart.
     unit = 1.0 / np.sqrt(np.maximum(np.diag(normal), LEAST_INFORMATION))

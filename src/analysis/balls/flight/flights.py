@@ -13,6 +13,10 @@ from analysis.balls.flight import path
 Ints = NDArray[np.intp]
 LEAST_PLACES = 4
 """A flight of fewer frames ends the chain."""
+MOST_LEFT_OUT = 0.2
+"""Of all places, that lie off the flights or next to a contact."""
+LARGE_CHI2 = 400.0
+"""Mean square of the residuals in errors that a codec and shading do not make."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -127,6 +131,16 @@ class Flights:
     def bounces(self) -> int:
         """Return how many bounces there are."""
         return len(self.contacts)
+
+    @property
+    def doubt(self) -> float:
+        """Return the share of places off the flights where much lies off them, else 0.
+
+        Times of such a film are none: an e may be off by as much as the share of places that
+        flights of one rate leave out.
+        """
+        share = float(np.mean(~self.used))
+        return share if share > MOST_LEFT_OUT or self.chi2_per_dof > LARGE_CHI2 else 0.0
 
     @property
     def scatter(self) -> Floats:

@@ -17,8 +17,8 @@ UNKNOWN_DENSITY, UNKNOWN_SPREAD = 500.0, 1.0
 """kg/m^3 and the spread of its logarithm: from a hollow ball to one of glass."""
 DIAMETER_RIM_SIGMA = 0.01
 """Relative: what shading and codecs do to a rim."""
-TILT_SIGMA, ROLL_SIGMA = 0.03, 0.05
-"""rad, of a plate against the vertical's normal and of a camera that stands by eye."""
+LEVEL_SIGMA, ROLL_SIGMA = 0.01, 0.05
+"""rad, of a floor, table or plate that is laid level, and of a camera that stands by eye."""
 SMEAR_SIGMA = 0.005
 """By which part of its smear a ball's centre comes out too high or too low: its light is uneven."""
 BARREL_SIGMA = 0.01
@@ -98,7 +98,7 @@ class View:
     Attributes
     ----------
     height, width
-        Of the picture, px.
+        Of the camera's whole picture, px.
     period_s
         Time between frames.
     exposure_s
@@ -109,6 +109,9 @@ class View:
         Stated time from one row to the next; None: fitted.
     focal_px
         Focal length and its standard error; None: not known.
+    principal_px
+        Principal point, (row, column) of the part of the picture that is looked at; None: the whole
+        picture's middle.
     """
 
     height: int
@@ -118,6 +121,11 @@ class View:
     readout: str = "global"
     row_time_s: float | None = None
     focal_px: tuple[float, float] | None = None
+    principal_px: tuple[float, float] | None = None
+
+    def principal(self) -> tuple[float, float]:
+        """Return row and column of the principal point."""
+        return self.principal_px or (0.5 * (self.height - 1), 0.5 * (self.width - 1))
 
     def aslant(self) -> tuple[float, float]:
         """Return the logarithm of the squared larger side over the focal length, and its error."""

@@ -22,6 +22,5 @@ def outlines(values: Floats, seen: Floats) -> Floats:
     seen
         Row, column, and distance in its value at the first contact, shape (N, 3).
     """
-    middle = values[[path.MIDDLE_ROW, path.MIDDLE_COLUMN]]
-    tangents = (seen[:, :2] - middle) / (2.0 * float(middle.max()))
+    tangents = (seen[:, :2] - values[path.PRINCIPAL]) / (2.0 * values[path.HALF])
     return np.asarray(1.0 / seen[:, 2:] - 1.0 + 0.5 * values[path.ASLANT] * tangents**2)

@@ -16,16 +16,17 @@ from analysis.compiled import compiled, part
 
 TIME, SPEED, PLACE, ACROSS, FALL, DRAG, ROW_TIME, PERSPECTIVE, ROLL = range(9)
 PLATE, TILT, STAY, DEPTH, BIAS, BARREL, MIDDLE_ROW, MIDDLE_COLUMN, SHORTENING = range(9, 18)
-ASLANT = 18
+ASLANT, HALF = 18, 19
+PRINCIPAL = [MIDDLE_ROW, MIDDLE_COLUMN]
 """First contact's time, approach speed, column from the middle and speed across before it; fall,
 px/s^2; drag, 1/px; time a row or column, s; perspective, 1/px; the vertical's angle in the picture;
 row of contact; slope of the plate; duration of the first contact, s; speed away from the camera
 before it, in distances of the camera a second; shift of a smeared ball's centre along the rows by
-its speed, s; barrel distortion at half the picture's larger side; the picture's middle, about which
+its speed, s; barrel distortion at half the picture's larger side; the principal point, about which
 it acts as perspective does; power of the approach speed by which contacts last shorter: 1/5 by
 H. Hertz (1881), 0 by a linear spring; squared larger side of the picture over the focal length,
-which `outlines` takes."""
-COMMON = 19
+which `outlines` takes; half of that side."""
+COMMON = 20
 EACH = 3
 """For each bounce: speeds away from the plate and across, what it gains away from the camera."""
 LARGEST_STEP_S = 0.02
@@ -102,15 +103,15 @@ def rise(values: NDArray[np.float64]) -> float:
     A camera that looks down at an angle whose sine is s and whose focal length is f px has
     perspective s / f and a rise of s f.
     """
-    half = max(values[MIDDLE_ROW], values[MIDDLE_COLUMN])
-    return float(values[PERSPECTIVE] * (2.0 * half) ** 2 / max(values[ASLANT], LEAST_ASLANT))
+    side = 2.0 * values[HALF]
+    return float(values[PERSPECTIVE] * side**2 / max(values[ASLANT], LEAST_ASLANT))
 
 
 @part
 def _seen(values: NDArray[np.float64], found: NDArray[np.float64]) -> None:
     """Turn places on the plane of flight, and what distance drift has added, into the picture."""
     plate = values[PLATE] - values[MIDDLE_ROW]
-    half = max(values[MIDDLE_ROW], values[MIDDLE_COLUMN])
+    half = values[HALF]
     higher = rise(values)
     for n in range(len(found)):
         distance = 1.0 + values[PERSPECTIVE] * found[n, 0] + found[n, 2]

@@ -33,7 +33,7 @@ class StraightFilm(Film):
                 f"with {lens.width_px} x {lens.height_px}",
             )
         focal = 0.5 * sum(lens.focal_px), lens.focal_sigma_px
-        super().__init__(film.path, replace(head, focal_px=focal))
+        super().__init__(film.path, replace(head, focal_px=focal, principal_px=lens.centre_px))
         self._film = film
         self._from = cv2.initUndistortRectifyMap(
             lens.matrix, lens.distortion, None, lens.matrix, (head.width, head.height), cv2.CV_32FC1

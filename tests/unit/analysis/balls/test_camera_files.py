@@ -130,6 +130,20 @@ def test_a_film_is_turned_by_quarter_turns_with_what_its_shutter_reads(
     assert np.array_equal(picture[0], values[0][:, -1])
 
 
+def test_what_the_lens_looks_at_is_where_it_was_in_a_part_that_is_turned(tmp_path: Path) -> None:
+    marked = np.zeros((1, 20, 30), np.uint8)
+    marked[0, 9, 14] = 255
+    np.save(tmp_path / "film.npy", marked)
+    part = PartOfFilm(open_film(tmp_path / "film.npy"), Cut(0, 1, (8, 2, 12, 16)))
+    for turns in range(4):
+        turned = PartOfFilm(part, Cut(), turns)
+        (row, column), (picture,) = turned.head.principal, turned.pictures()
+        pixel = np.argwhere(picture[..., 0] == 255)[0]
+        # The middle of 20 x 30 pixels is half a pixel beside the one that was marked.
+        assert np.abs(pixel - (row, column)).tolist() == [0.5, 0.5]
+        assert turned.head.whole == ((20, 30), (30, 20))[turns % 2]
+
+
 def test_a_grey_video_has_one_channel_and_its_times(tmp_path: Path) -> None:
     path = tmp_path / "film.mp4"
     video = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"mp4v"), 50.0, (64, 48))

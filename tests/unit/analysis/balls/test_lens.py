@@ -70,6 +70,7 @@ def test_straight_edges_are_straight_in_a_film_without_distortion(
         np.mean([_bend(picture[..., 0]) for picture in either.pictures()])
         for either in (film, StraightFilm(film, calibrated.lens))
     )
+    assert StraightFilm(film, calibrated.lens).head.principal == calibrated.lens.centre_px
     assert bent > 4 * straight
     assert straight < 0.04
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -53,15 +54,21 @@ def observed(seed: int, *, round_of_one_size: bool) -> Observed:
     return Observed(np.arange(len(times)), times, places, np.full(places.shape, NOISE), leans)
 
 
-def fitted(seen: Observed, focal_px: tuple[float, float] | None = None) -> Flights:
+def fitted(
+    seen: Observed,
+    focal_px: tuple[float, float] | None = None,
+    corner: tuple[float, float] = (0.0, 0.0),
+) -> Flights:
     times = np.array([b[0] for b in BOUNCES])
     scale = FOCAL / AWAY_M
     across = np.full(2, scale * ACROSS)
     down = np.stack([[scale * b[1] * 1.01 for b in BOUNCES], across], axis=1)
     up = np.stack([[-scale * b[2] * 0.99 for b in BOUNCES], across], axis=1)
-    places = ahead_and_place(times)[1]
+    places = ahead_and_place(times)[1] - corner
     ball = Ball(2 * RADIUS / scale, density=7800.0, air_density=0.0001)
-    known = Known(ball, View(480, 200, 1 / RATE, 0.0, focal_px=focal_px), radius_px=RADIUS)
+    principal = 239.5 - corner[0], 99.5 - corner[1]
+    view = View(480, 200, 1 / RATE, 0.0, focal_px=focal_px, principal_px=principal)
+    known = Known(ball, view, radius_px=RADIUS)
     found = fit_flights(seen, Start(times + 0.0005, places, down, up), known)
     assert found is not None
     return found
@@ -105,3 +112,12 @@ def test_a_focal_length_that_is_known_makes_speeds_across_exact() -> None:
     assert (np.abs(speeds - ACROSS) < 3 * sigmas).all()
     _, unknown = beside(fitted(observed(5, round_of_one_size=False)))
     assert sigmas.max() < 0.3 * unknown.max()
+
+
+def test_the_part_of_a_picture_that_is_looked_at_changes_nothing_but_where_rows_begin() -> None:
+    seen, corner = observed(6, round_of_one_size=True), (130.0, 40.0)
+    part = replace(seen, places=seen.places - corner)
+    whole, cut = fitted(seen), fitted(part, corner=corner)
+    for found, expected in zip(beside(cut), beside(whole), strict=True):
+        assert found == pytest.approx(expected, rel=1e-4)
+    assert cut.observed.places + corner == pytest.approx(whole.observed.places, abs=1e-4)
