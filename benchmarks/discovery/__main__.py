@@ -53,12 +53,12 @@ def main() -> None:
     parser.add_argument("--processes", type=int, default=1)
     parser.add_argument("--large", action="store_true", help="memory: 100 000 shots as well")
     parser.add_argument("--slow-px", type=float, help="pulls: poses as exact as filmed ones")
-    wanted = parser.parse_args()
-    options = Options(
-        wanted.campaigns, wanted.shots, wanted.processes, wanted.large, wanted.slow_px
-    )
+    parser.add_argument("--by-place", action="store_true", help="hidden, pulls: shared errors are")
+    wanted = vars(parser.parse_args())
+    section = wanted.pop("section")
+    options = Options(**wanted)
     for name, run in SECTIONS.items():
-        if wanted.section in {name, "all"}:
+        if section in {name, "all"}:
             run(options)
 
 

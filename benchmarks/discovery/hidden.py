@@ -41,7 +41,7 @@ def run(options: Options) -> None:
     print(f"{'world':24} {'hidden':26} chi2   left out  seconds  verdict")
     slow_px = SLOW_PX if options.slow_px is None else options.slow_px
     for k, (name, nature) in enumerate(WORLDS.items()):
-        data = filmed(nature, FIRST_SEED + k, options.shots, slow_px)
+        data = filmed(nature, FIRST_SEED + k, options.shots, slow_px, by_place=options.by_place)
         wrong = MISSTATED[k % len(MISSTATED)]
         slow = replace(
             data.slow,

@@ -13,6 +13,8 @@ class Options:
     ----------
     slow_px
         Slow error of poses that are as exact as filmed ones, px; None: fresh errors alone.
+    by_place
+        Whether what all flights share of these errors changes with the place in the field.
     """
 
     campaigns: int
@@ -20,3 +22,4 @@ class Options:
     processes: int
     large: bool = False
     slow_px: float | None = None
+    by_place: bool = False

@@ -132,7 +132,8 @@ def _campaign(number: int, options: Options, shared: Floats) -> PoseData:
     nature, seed = _nature(float(shared[DRAG])), FIRST_SEED + number
     if options.slow_px is None:
         return lasting_campaign(nature, seed, options.shots)
-    data = filmed(nature, seed, options.shots, options.slow_px, float(shared[SCALE]))
+    pull, slow_px = float(shared[SCALE]), options.slow_px
+    data = filmed(nature, seed, options.shots, slow_px, pull, by_place=options.by_place)
     return replace(data, drag_coefficient=STATED_DRAG)
 
 

@@ -177,6 +177,8 @@ class SlowErrors:
     shared_m
         Size of what all flights of a sphere share in a campaign, of a coordinate, where it is more
         than `position_m`: no scatter of flights shows it.
+    varying
+        Share of that, of places and of turns, which changes with the place in the field.
     scale
         Relative standard error of the images' scale, by which lengths of all shots come out too
         long or too short together; 0: none is stated.
@@ -191,6 +193,7 @@ class SlowErrors:
     position_m: Annotated[float, Field(ge=0), named("slow_position_m", "position_m")] = 0.0
     rotation_rad: Annotated[float, Field(ge=0), named("slow_rotation_rad", "rotation_rad")] = 0.0
     shared_m: Annotated[float, Field(ge=0), named("slow_shared_m", "shared_m")] = 0.0
+    varying: Annotated[float, Field(ge=0), named("slow_varying", "varying")] = 1.0
     scale: Annotated[float, Field(ge=0), named("scale_sigma", "scale")] = 0.0
     one_body_frame: bool = True
     memory_rad: Annotated[float, Field(gt=0), named("slow_memory_rad", "memory_rad")] = MEMORY_RAD
@@ -210,6 +213,16 @@ class SlowErrors:
         """The same of orientations, rad: larger than of one flight by as much."""
         enlarged = self.common_m / self.position_m if self.position_m > 0 else 1.0
         return enlarged * self.rotation_rad
+
+    @property
+    def varying_m(self) -> float:
+        """Size of what of it changes with the place, of a coordinate, m."""
+        return self.varying * self.common_m
+
+    @property
+    def varying_rad(self) -> float:
+        """The same of orientations, rad."""
+        return self.varying * self.common_rad
 
     @property
     def between_m(self) -> float:

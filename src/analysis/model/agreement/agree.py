@@ -28,6 +28,7 @@ from analysis.model.agreement.table import (
 from analysis.model.data.poses import PoseData
 from analysis.model.data.stream import CampaignData, whole
 from analysis.model.data.tables import ContactTable
+from analysis.model.fitting.field_errors import field_errors
 from analysis.model.fitting.fit import Fit
 from analysis.model.fitting.noise import noise_scales
 from analysis.model.fitting.normal import with_prior
@@ -89,6 +90,7 @@ def _of_frames(data: PoseData, fit: Fit, sums: Projector, outcome: Sequence[Row]
     sigma = np.where(data.measured, sigma, 0.0).reshape(len(sigma), -1)
     free = with_free_outcomes(data, fit)
     unbound, states, theory = projector(free.data, free.fit), free.fit.states, free.fit.theory
+    beside_field = projector(free.data, free.fit, field_errors(data))
     jumps, reach = contact_columns(free.data, states, theory), reach_of(free.data, free.fit)
     after = data.times_s > fit.states.time_s[:, None]
     known = (data.measured & ~after[..., None, None]).reshape(len(sigma), -1)
@@ -97,7 +99,7 @@ def _of_frames(data: PoseData, fit: Fit, sums: Projector, outcome: Sequence[Row]
     fitted = [fitted_row(before, group, sigma) for group in pose_groups(data.measured, ~after)]
     poses = [predicted_row(split, group, sigma) for group in pose_groups(data.measured, after)]
     shapes = (
-        Stage(name, tuple(shape_rows(free.data, unbound, groups, jumps=jumps, sigma=sigma)))
+        Stage(name, tuple(shape_rows(free.data, beside_field, groups, jumps=jumps, sigma=sigma)))
         for name, groups in (
             ("flight", _flight(free.data, flight_channels(free.data, states, reach))),
             ("camera", _camera(camera_channels(free.data, states, theory, reach))),

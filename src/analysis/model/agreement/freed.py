@@ -18,7 +18,7 @@ from analysis.model.fitting.fit import Fit
 from analysis.model.fitting.normal import solve_blocks
 from analysis.model.predict.comparison import compare
 from analysis.model.predict.contact import AFTER, contact_outcome
-from analysis.model.rank.projector import projector
+from analysis.model.rank.projector import eliminated
 from analysis.model.structure.channels import contact_columns, contact_frame, pairs_of
 from analysis.motion.exponential import exponential
 
@@ -73,7 +73,7 @@ def _steps(here: Freed) -> tuple[Floats, Floats]:
     and (S, 24).
     """
     states, theory = here.fit.states, here.fit.theory
-    sums = projector(here.data, here.fit)
+    sums, _, _ = eliminated(here.data, states, theory)
     jumps = contact_columns(here.data, states, theory)
     columns = np.concatenate(list(jumps.values()), axis=2)
     by_shot = sums.project(columns)

@@ -13,6 +13,7 @@ from analysis.model.data.parts import Kept, cut, regrouped
 from analysis.model.data.stream import CampaignData, beside
 from analysis.model.data.tables import ContactTable, Data
 from analysis.model.data.unseen import fitted_numbers
+from analysis.model.fitting.field_errors import field_errors, with_field
 from analysis.model.fitting.gauss_newton import TO_THE_END, Purpose, descended, linearised, summed
 from analysis.model.fitting.normal import NormalEquations, inverse, prior_cost
 from analysis.model.fitting.own_fit import own_states
@@ -92,10 +93,13 @@ def fit_campaign(
     for stand in last.stands:
         parts.append(stand.states)
     chi2 = np.concatenate([stand.chi2 for stand in last.stands])
+    covariance = inverse(last.matrix)
+    if not purpose.roughly:
+        covariance = with_field(covariance, field_errors(data), beside(data, parts), last.theory)
     return Fit(
         theory=last.theory,
         parts=parts,
-        covariance=inverse(last.matrix),
+        covariance=covariance,
         chi2=float(chi2.sum()) + last.theory.strain,
         residuals=int(measured.sum()) + last.theory.given - len(LAW),
         shot_chi2=chi2,

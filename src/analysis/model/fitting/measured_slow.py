@@ -9,8 +9,9 @@ there, slow ones a gain that follows from how long they last. No law of contact 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from dataclasses import field as field_of
 from functools import partial
 from typing import TypeVar
 
@@ -21,6 +22,7 @@ from analysis.arrays import Floats
 from analysis.model.data.poses import PoseData
 from analysis.model.data.stream import CampaignData, PoseStream
 from analysis.model.data.tables import ContactTable, Data
+from analysis.model.fitting.field_errors import NO_FIELDS, FieldErrors, field_errors
 from analysis.model.predict.start import first_states, median_spin
 from analysis.motion.drift import correlation_times
 from analysis.motion.exponential import exponential
@@ -36,6 +38,9 @@ BENT, STRAIGHT = 3, 2
 SPUN = 6
 """Numbers of a flight's turns: an orientation and a spin."""
 LEAST_FRAMES = DEGREE + 3
+MIDDLE_OF_VARYING = 0.7
+"""Of what all flights share, as much changes with the place as does not: prior of its size."""
+LEAST_GAIN = 1e-9
 ROUNDS = 5
 """Of the fit of a constant spin, from the median of the turns from frame to frame on."""
 
@@ -48,25 +53,125 @@ def with_measured_slow_errors(data: C) -> C:
     """
     if isinstance(data, ContactTable) or data.bodies[1].is_plate or data.slow.position_m <= 0.0:
         return data
-    seen = [film for part in data.parts() for film in _films(part)]
-    if not any(film.squares.size for film in seen):
-        return data
-    change = partial(_resized, factor=slow_size(seen, 1.0))
+    field = field_errors(data)
+    factor, off = 1.0, NO_PART
+    for _ in range(2):
+        seen = [film for part in data.parts() for film in _films(part, off)]
+        if not any(film.squares.size for film in seen):
+            return data
+        factor = slow_size(seen, 1.0)
+        off = _part_of_field(next(iter(data.parts())), field, factor)
+    change = partial(_resized, factor=factor, varying=off.size)
     return data.changed(change) if isinstance(data, PoseStream) else change(data)
 
 
-def _resized(data: PoseData, factor: float) -> PoseData:
+def _resized(data: PoseData, factor: float, varying: float) -> PoseData:
     stated = data.slow
-    position, rotation = factor * stated.position_m, factor * stated.rotation_rad
-    slow = replace(stated, position_m=position, rotation_rad=rotation, shared_m=stated.common_m)
+    slow = replace(
+        stated,
+        position_m=factor * stated.position_m,
+        rotation_rad=factor * stated.rotation_rad,
+        shared_m=stated.common_m,
+        varying=varying * stated.varying,
+    )
     return replace(data, slow=slow)
 
 
-def _films(data: PoseData) -> Iterator[Evidence]:
-    """Yield what each shot of a part shows of its slow errors, in units of those stated."""
-    times = data.times_s - first_states(data).time_s[:, None]
+@dataclass(frozen=True, slots=True, eq=False)
+class _Numbers:
+    """What flights of one sphere hold beside free flight: K independent numbers of each.
+
+    Attributes
+    ----------
+    sphere, axes
+        Whose; of places along one axis, or of turns about all three.
+    shots
+        Where the flights are in the part, shape (N,).
+    rows
+        By which places or turns make the numbers up, shape (N, K, F, axes).
+    values, gains
+        The numbers, and how much a slow error adds to their variance of 1, shape (N, K).
+    """
+
+    sphere: int
+    axes: tuple[int, ...]
+    shots: NDArray[np.intp]
+    rows: Floats
+    values: Floats
+    gains: Floats
+
+    def by_field(self, data: PoseData, field: FieldErrors) -> Floats:
+        """Return what the field's amplitudes add to the numbers, shape (N, K, amplitudes)."""
+        size = field.sizes[0 if len(self.axes) == 1 else 1]
+        functions = field.functions(data, self.sphere)[self.shots]
+        moved = np.einsum("nkfa,nfm->nkam", self.rows, functions, optimize=True)
+        return np.asarray(size * moved.reshape(*self.values.shape, -1))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _PartOfField:
+    """How large a field of errors is, over what all flights share, and its likeliest amplitudes.
+
+    By sphere and axes.
+    """
+
+    field: FieldErrors = NO_FIELDS
+    size: float = 1.0
+    amplitudes: Mapping[tuple[int, tuple[int, ...]], Floats] = field_of(default_factory=dict)
+
+    def less(self, numbers: _Numbers, data: PoseData) -> Floats:
+        """Return numbers less what the field does to them, shape (N, K)."""
+        own = self.amplitudes.get((numbers.sphere, numbers.axes))
+        if own is None:
+            return numbers.values
+        return np.asarray(numbers.values - numbers.by_field(data, self.field) @ own)
+
+
+NO_PART = _PartOfField()
+
+
+def _part_of_field(data: PoseData, field: FieldErrors, factor: float) -> _PartOfField:
+    """Return how large the field is by what the flights of a part of a campaign agree in."""
+    sums: dict[tuple[int, tuple[int, ...]], list[Floats]] = {}
+    for numbers in _numbers(data):
+        columns = numbers.by_field(data, field)
+        weight = 1.0 / (1.0 + factor**2 * numbers.gains)
+        own = sums.setdefault((numbers.sphere, numbers.axes), [np.zeros(()), np.zeros(())])
+        own[0] = own[0] + np.einsum("nkp,nk,nkq->pq", columns, weight, columns, optimize=True)
+        own[1] = own[1] + np.einsum("nkp,nk->p", columns, weight * numbers.values)
+    solved = {name: (*np.linalg.eigh(matrix), right) for name, (matrix, right) in sums.items()}
+    gains = np.concatenate([values for values, _, _ in solved.values()] or [np.empty(0)])
+    along = [vectors.T @ right for _, vectors, right in solved.values()]
+    squares = np.concatenate([own**2 for own in along] or [np.empty(0)])
+    told = gains > LEAST_GAIN
+    evidence = Evidence(gains[told], squares[told] / gains[told])
+    size = slow_size([evidence], MIDDLE_OF_VARYING)
+    amplitudes = {
+        name: vectors @ (vectors.T @ right / (np.maximum(values, 0.0) + size**-2))
+        for name, (values, vectors, right) in solved.items()
+    }
+    return _PartOfField(field, size, amplitudes)
+
+
+def _films(data: PoseData, off: _PartOfField) -> Iterator[Evidence]:
+    """Yield what each shot of a part shows of its slow errors, in units of those stated.
+
+    Less what a field of errors does.
+    """
     gains: list[list[Floats]] = [[np.empty(0)] for _ in data.shots]
     squares: list[list[Floats]] = [[np.empty(0)] for _ in data.shots]
+    for numbers in _numbers(data):
+        values = off.less(numbers, data)
+        for row, gain, value in zip(numbers.shots, numbers.gains, values, strict=True):
+            gains[row].append(gain)
+            squares[row].append(value**2)
+    for own in zip(gains, squares, strict=True):
+        yield Evidence(*(np.concatenate(part) for part in own))
+
+
+def _numbers(data: PoseData) -> Iterator[_Numbers]:
+    """Yield what all flights of a part hold beside free flight."""
+    times = data.times_s - first_states(data).time_s[:, None]
     for later in (False, True):
         for sphere in (0, 1):
             turned = np.isfinite(data.rotation_sigma[:, :, sphere])
@@ -75,15 +180,7 @@ def _films(data: PoseData) -> Iterator[Evidence]:
             shots = np.flatnonzero(seen.sum(axis=1) >= LEAST_FRAMES)
             if shots.size:
                 spin = median_spin(data, seen[..., None] & (np.arange(2) == sphere))[shots, sphere]
-                for found, into in zip(
-                    _of_flights(data, times, seen, (sphere, shots), spin),
-                    (gains, squares),
-                    strict=True,
-                ):
-                    for row, own in zip(shots, found, strict=True):
-                        into[row].append(own)
-    for own in zip(gains, squares, strict=True):
-        yield Evidence(*(np.concatenate(part) for part in own))
+                yield from _of_flights(data, times, seen, (sphere, shots), spin)
 
 
 def _of_flights(
@@ -92,8 +189,8 @@ def _of_flights(
     seen: NDArray[np.bool_],
     which: tuple[int, NDArray[np.intp]],
     first_spin: Floats,
-) -> tuple[Floats, Floats]:
-    """Return gains and squares of one sphere on one side, some shots, shape (N, numbers)."""
+) -> Iterator[_Numbers]:
+    """Yield the numbers of one sphere on one side in some shots, first of places, then of turns."""
     sphere, shots = which
     seen, tau = seen[shots], times[shots]
     first = np.where(seen, tau, np.inf).min(axis=1, keepdims=True)
@@ -106,41 +203,35 @@ def _of_flights(
     lasting_s = correlation_times(data.slow.memory_rad, np.linalg.norm(spin, axis=1))
     apart = np.abs(tau[:, :, None] - tau[:, None, :])
     lasting = np.exp(-apart / lasting_s[:, None, None])
-    gains: list[Floats] = []
-    squares: list[Floats] = []
     place_sigma = data.position_sigma[shots, :, sphere]
     for axis in range(3):
         weight = _weights(place_sigma[..., axis], seen)
         basis = np.linalg.qr(functions * weight[..., None])[0][..., BENT:]
-        values = (fallen[..., axis] * weight)[..., None]
-        _add(gains, squares, basis, (values, weight[..., None], data.slow.position_m), lasting)
+        seen_there = (fallen[..., axis, None], weight[..., None], data.slow.position_m)
+        yield _Numbers(sphere, (axis,), shots, *_independent(basis, seen_there, lasting))
     weight = np.repeat(_weights(data.rotation_sigma[shots, :, sphere], seen)[..., None], 3, axis=2)
     bent = np.kron(functions[..., STRAIGHT:], np.eye(3)).reshape(*left.shape, -1)
     columns = np.concatenate([_slopes(spin, tau), bent], axis=3) * weight[..., None]
     basis = np.linalg.qr(columns.reshape(len(shots), -1, columns.shape[3]))[0][..., SPUN:]
-    _add(gains, squares, basis, (left * weight, weight, data.slow.rotation_rad), lasting)
-    return np.concatenate(gains, axis=1), np.concatenate(squares, axis=1)
+    seen_there = (left, weight, data.slow.rotation_rad)
+    yield _Numbers(sphere, (0, 1, 2), shots, *_independent(basis, seen_there, lasting))
 
 
 def _weights(sigma: Floats, seen: NDArray[np.bool_]) -> Floats:
     return np.where(seen, 1.0 / np.where(seen, sigma, 1.0), 0.0)
 
 
-def _add(
-    gains: list[Floats],
-    squares: list[Floats],
-    basis: Floats,
-    measured: tuple[Floats, Floats, float],
-    lasting: Floats,
-) -> None:
-    """Add what some directions of each flight hold, turned to independent numbers.
+def _independent(
+    basis: Floats, measured: tuple[Floats, Floats, float], lasting: Floats
+) -> tuple[Floats, Floats, Floats]:
+    """Return rows, values and gains of what some directions of each flight hold.
 
     Parameters
     ----------
     basis
         Orthonormal directions, shape (N, F A, K), of A axes in each frame.
     measured
-        Whitened values and their weights, shape (N, F, A), and the size of the slow error.
+        Values and their weights, shape (N, F, A), and the size of the slow error.
     lasting
         Correlation of slow errors between frames, shape (N, F, F).
     """
@@ -148,9 +239,10 @@ def _add(
     slow = size * weight[..., None] * basis.reshape(*weight.shape, -1)
     carried = np.einsum("nfg,ngak->nfak", lasting, slow, optimize=True).reshape(basis.shape)
     spread, vectors = np.linalg.eigh(np.swapaxes(slow.reshape(basis.shape), 1, 2) @ carried)
-    found = np.swapaxes(basis, 1, 2) @ values.reshape(len(basis), -1, 1)
-    squares.append((np.swapaxes(vectors, 1, 2) @ found)[..., 0] ** 2)
-    gains.append(np.maximum(spread, 0.0))
+    turned = np.swapaxes(basis @ vectors, 1, 2)
+    rows = turned.reshape(*turned.shape[:2], *weight.shape[1:]) * weight[:, None]
+    found = np.einsum("nkfa,nfa->nk", rows, values, optimize=True)
+    return rows, found, np.maximum(spread, 0.0)
 
 
 def _slopes(spin: Floats, since: Floats) -> Floats:

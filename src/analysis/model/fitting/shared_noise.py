@@ -27,3 +27,9 @@ class SharedNoise:
         if self.slow is not None:
             columns = by_frame(self.slow.whiten(by_kind(columns)))
         return columns if self.jitter is None else self.jitter.whiten_frames(columns)
+
+    def weigh(self, columns: Floats) -> Floats:
+        """Return the transpose of `whiten_frames` times columns (S, 12 F, K)."""
+        if self.jitter is not None:
+            columns = self.jitter.whiten_frames(columns)
+        return columns if self.slow is None else by_frame(self.slow.whiten(by_kind(columns)))

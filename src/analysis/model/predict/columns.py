@@ -52,6 +52,20 @@ class Columns:
     frames: Floats
     pulled: Floats
 
+    def with_frames(self, line: Comparison, frames: Floats, place: int) -> Columns:
+        """Return the columns with more of frames, (S, 4, 3 F, K), set in at a place."""
+        count = frames.shape[-1]
+        more = columns_of(line, np.zeros((*self.moved.shape[:2], count)), np.arange(count), frames)
+        framed = np.where(self.framed < place, self.framed, self.framed + count)
+        return Columns(
+            moved=np.insert(self.moved, [place] * count, 0.0, axis=2),
+            framed=np.concatenate([framed, place + np.arange(count)]),
+            frames=np.concatenate([self.frames, more.frames], axis=3),
+            pulled=np.concatenate(
+                [self.pulled[:, :, :place], more.pulled, self.pulled[:, :, place:]], axis=2
+            ),
+        )
+
     def against_flights(self, line: Comparison) -> Floats:
         """Return slopes' columns, shape (S, 48, K)."""
         return line.weigh(self.moved) + self.pulled
@@ -143,11 +157,22 @@ def all_columns(
     line: Comparison,
     here: Snapshot,
     effects: Sequence[Effect],
+    given: Floats | None = None,
 ) -> Columns:
-    """Differentiate by those, then by the parameters of effects not in the theory, where off."""
+    """Differentiate by those, then by the parameters of effects not in the theory, where off.
+
+    Parameters
+    ----------
+    given
+        Columns of frames that come between the two, by spheres and kinds, not yet whitened for
+        shared noise, shape (S, 4, 3 F, K).
+    """
     off: list[Wanted] = [(Active(e, e.off), j) for e in effects for j in range(len(e.parameters))]
-    wanted = _own(theory) + off
-    return _differences(data, states, theory, line=line, here=here, wanted=wanted)
+    own = _own(theory)
+    found = _differences(data, states, theory, line=line, here=here, wanted=own + off)
+    if given is None or not given.shape[-1]:
+        return found
+    return found.with_frames(line, given, len(own))
 
 
 def _differences(

@@ -8,6 +8,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from analysis.arrays import Floats
 from analysis.effects.effect import Effect
 from analysis.model.data.poses import PoseData
@@ -52,7 +54,11 @@ class Linearised:
 
 
 def linearise(
-    data: Data, states: ShotStates, theory: Theory, effects: Sequence[Effect] = ()
+    data: Data,
+    states: ShotStates,
+    theory: Theory,
+    effects: Sequence[Effect] = (),
+    given: Floats | None = None,
 ) -> Linearised:
     """Predict all poses and compare them with the data, to first order about states and theory.
 
@@ -60,12 +66,16 @@ def linearise(
     ----------
     effects
         Whose parameters, where they are off, follow those of the theory in `by_theory`.
+    given
+        Further columns of frames between the two, as of `all_columns`.
     """
     line, here = compare(data, states, theory)
-    shared = all_columns(data, states, theory, line=line, here=here, effects=effects)
+    shared = all_columns(data, states, theory, line=line, here=here, effects=effects, given=given)
     shots, blocks, _, size = line.slopes.shape
-    by_theory = line.slopes @ shared.moved.reshape(shots, blocks, size, -1)
-    by_theory[..., shared.framed] += shared.frames
+    flown = np.setdiff1d(np.arange(shared.moved.shape[2]), shared.framed)
+    by_theory = np.empty((*line.residual.shape, shared.moved.shape[2]))
+    by_theory[..., flown] = line.slopes @ shared.moved[..., flown].reshape(shots, blocks, size, -1)
+    by_theory[..., shared.framed] = shared.frames
     by_state = line.slopes @ line.by_state.reshape(shots, blocks, size, -1)
     spread = (line.residual[..., None], by_state, by_theory)
     framed = [by_frame(part) if blocks == KINDS else part[:, 0] for part in spread]

@@ -16,6 +16,7 @@ from analysis.collision.operator import Encounter, Operator, Outcome
 from analysis.effects.effect import ContactEffect, Effect, Parameter, Values
 from analysis.model.data.poses import PoseData
 from analysis.model.data.tables import Data
+from analysis.model.fitting.field_errors import FieldErrors, field_errors
 from analysis.model.fitting.fit import Fit, parts_of
 from analysis.model.fitting.normal import inverse, solve_blocks, with_prior
 from analysis.model.predict.columns import all_columns
@@ -131,38 +132,47 @@ class Sums:
 
 def channels_of(data: Data, fit: Fit) -> Channels:
     """Linearise about a fit, and project all channels."""
-    theory, framed = fit.theory, _in_frames(data)
+    theory, framed, field = fit.theory, _in_frames(data), field_errors(data)
     probes = [*_PROBES, *(form.effect(f"probe-{k}") for k, form in enumerate(framed))]
-    fitted = len(theory.names)
-    parts = [_eliminated(part, own, theory, probes) for part, own in parts_of(data, fit)]
-    columns = ByShot(*(np.concatenate(numbers) for numbers in zip(*parts, strict=True)))
+    fitted, law = len(theory.names) + field.count, np.arange(len(COEFFICIENTS))
+    information, downhill = np.zeros((fitted, fitted)), np.zeros(fitted)
+    parts = []
+    for part, states in parts_of(data, fit):
+        columns = _eliminated(part, states, theory, probes, field)
+        information += columns.own[:, :fitted, :fitted].sum(axis=0)
+        downhill += columns.gradient[:, :fitted].sum(axis=0)
+        chosen = np.concatenate([law, np.arange(fitted, columns.raw.shape[1])])
+        # A relative change of a coefficient is so many of its own units.
+        scale = np.ones(len(chosen))
+        scale[law] = theory.vector[law]
+        across = columns.own[:, chosen] * scale[:, None]
+        parts.append(
+            ByShot(
+                own=across[:, :, chosen] * scale,
+                against=across[:, :, :fitted],
+                gradient=columns.gradient[:, chosen] * scale,
+                raw=columns.raw[:, chosen] * scale**2,
+            )
+        )
     centre, known = theory.prior
-    # A relative change of a coefficient is so many of its own units.
-    law = np.arange(len(COEFFICIENTS))
-    chosen = np.concatenate([law, np.arange(fitted, columns.raw.shape[1])])
-    scale = np.ones(len(chosen))
-    scale[law] = theory.vector[law]
-    across = columns.own[:, chosen] * scale[:, None]
-    information = columns.own[:, :fitted, :fitted].sum(axis=0)
+    strain, known = field.beside((theory.vector - centre) * known, known)
     return Channels(
         encounter=encounter_of(data, fit.states, theory),
-        by_shot=ByShot(
-            own=across[:, :, chosen] * scale,
-            against=across[:, :, :fitted],
-            gradient=columns.gradient[:, chosen] * scale,
-            raw=columns.raw[:, chosen] * scale**2,
-        ),
+        by_shot=ByShot(*(np.concatenate(numbers) for numbers in zip(*parts, strict=True))),
         framed=tuple((form, k) for form in framed for k in range(len(form.symbols))),
         covariance=inverse(with_prior(information, known)),
-        left=columns.gradient[:, :fitted].sum(axis=0) + (centre - theory.vector) * known,
+        left=downhill - strain,
         noise_scale=float(np.sqrt(max(fit.chi2_per_dof, 1e-12))),
     )
 
 
-def _eliminated(data: Data, states: ShotStates, theory: Theory, probes: Sequence[Effect]) -> ByShot:
-    """Return sums of what is fitted and of probes, each shot's own numbers eliminated."""
+def _eliminated(
+    data: Data, states: ShotStates, theory: Theory, probes: Sequence[Effect], field: FieldErrors
+) -> ByShot:
+    """Return sums of what is fitted, a field and probes, the shots' own numbers eliminated."""
     line, here = compare(data, states, theory)
-    columns = all_columns(data, states, theory, line=line, here=here, effects=probes)
+    given = field.columns(data)
+    columns = all_columns(data, states, theory, line=line, here=here, effects=probes, given=given)
     coupling = np.swapaxes(line.by_state, 1, 2) @ columns.against_flights(line)
     eliminated = np.swapaxes(solve_blocks(line.information, coupling), 1, 2)
     gram = columns.gram(line)

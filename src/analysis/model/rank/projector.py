@@ -13,6 +13,7 @@ import numpy as np
 
 from analysis.arrays import Floats
 from analysis.model.data.tables import Data
+from analysis.model.fitting.field_errors import NO_FIELDS, FieldErrors
 from analysis.model.fitting.fit import Fit
 from analysis.model.fitting.normal import inverse, solve_blocks, with_prior
 from analysis.model.fitting.shared_noise import SharedNoise
@@ -172,27 +173,32 @@ class Projector(Eliminated):
     left: Floats
 
 
-def projector(data: Data, fit: Fit) -> Projector:
-    """Linearise about a fit and project."""
-    own, information, downhill = eliminated(data, fit.states, fit.theory)
-    centre, known = fit.theory.prior
+def projector(data: Data, fit: Fit, field: FieldErrors = NO_FIELDS) -> Projector:
+    """Linearise about a fit and project; the columns of a field follow the fitted parameters."""
+    own, information, downhill = eliminated(data, fit.states, fit.theory, field)
+    centre, known = field.beside(*fit.theory.prior)
+    vector = field.beside(fit.theory.vector, known)[0]
     return Projector(
         **{name: getattr(own, name) for name in Eliminated.__slots__},
         covariance=inverse(with_prior(information, known)),
-        held=fit.theory.held,
-        left=downhill + (centre - fit.theory.vector) * known,
+        held=field.beside(*fit.theory.held),
+        left=downhill + (centre - vector) * known,
     )
 
 
-def eliminated(data: Data, states: ShotStates, theory: Theory) -> tuple[Eliminated, Floats, Floats]:
+def eliminated(
+    data: Data, states: ShotStates, theory: Theory, field: FieldErrors = NO_FIELDS
+) -> tuple[Eliminated, Floats, Floats]:
     """Linearise shots about a fit, and eliminate their own numbers.
+
+    The columns of a field of errors are shared as the fitted parameters are, and follow them.
 
     Returns
     -------
     The shots; what they add to the information on the shared parameters (P, P), and to what is
     downhill by them, (P,).
     """
-    line = linearise(data, states, theory)
+    line = linearise(data, states, theory, given=field.columns(data))
     by_state = np.swapaxes(line.by_state, 1, 2)
     shared = line.by_theory - line.by_state @ solve_blocks(line.states, by_state @ line.by_theory)
     own = Eliminated(

@@ -18,6 +18,7 @@ from analysis.arrays import Floats
 from analysis.effects.effect import Effect
 from analysis.model.data.stream import CampaignData
 from analysis.model.data.tables import Data
+from analysis.model.fitting.field_errors import FieldErrors, field_errors
 from analysis.model.fitting.fit import Fit, parts_of
 from analysis.model.fitting.normal import inverse, solve_blocks, with_prior
 from analysis.model.predict.columns import all_columns
@@ -172,13 +173,14 @@ def candidate_sums(
         Called with every part of the pass, about the fit.
     """
     theory = fit.theory
-    fitted = len(theory.names)
+    field = field_errors(data)
+    fitted = len(theory.names) + field.count
     count = fitted + sum(len(effect.parameters) for effect in effects)
     matrix, raw, gradient = np.zeros((count, count)), np.zeros(count), np.zeros(count)
     pulls = data.keep(np.ndarray)
     for part, states in parts_of(data, fit):
         about = compare(part, states, theory)
-        own, own_raw, pull = _piece(part, states, theory, effects, about)
+        own, own_raw, pull = _piece(part, states, theory, effects, (*about, field))
         if beside is not None:
             beside(part, *about)
         matrix += own
@@ -186,8 +188,9 @@ def candidate_sums(
         gradient += pull.sum(axis=0)
         pulls.append(pull)
     centre, known = theory.prior
+    strain, known = field.beside((theory.vector - centre) * known, known)
     matrix = with_prior(matrix, known)
-    gradient[:fitted] -= (theory.vector - centre) * known
+    gradient[:fitted] -= strain
     inner = inverse(matrix[:fitted, :fitted]) @ matrix[:fitted, fitted:]
     ranges = [np.ptp(p.plausible) for effect in effects for p in effect.parameters]
     felt = raw[fitted:] * np.square(ranges) > LEAST_FELT
@@ -204,11 +207,12 @@ def _piece(
     states: ShotStates,
     theory: Theory,
     effects: Sequence[Effect],
-    about: tuple[Comparison, Snapshot],
+    about: tuple[Comparison, Snapshot, FieldErrors],
 ) -> tuple[Floats, Floats, Floats]:
     """Return M, its raw diagonal and each shot's g, the shots' own numbers eliminated."""
-    line, here = about
-    shared = all_columns(data, states, theory, line=line, here=here, effects=effects)
+    line, here, field = about
+    given = field.columns(data)
+    shared = all_columns(data, states, theory, line=line, here=here, effects=effects, given=given)
     by_state = np.swapaxes(line.by_state, 1, 2)
     coupling = by_state @ shared.against_flights(line)
     eliminated = solve_blocks(line.information, coupling)

@@ -21,9 +21,8 @@ from analysis.model.data.tables import ContactTable
 from analysis.model.fitting.fit import Fit, fit_campaign
 from analysis.model.fitting.noise import rescaled
 from analysis.model.rank.projector import Solved
-from analysis.model.structure.shared_rates import shared_rates
 from analysis.model.structure.signature import own_cells
-from analysis.model.structure.summing import Name, Smooth, Summed, summed
+from analysis.model.structure.summing import Name, Summed, summed
 from analysis.setup import NO_SLOW_ERRORS, SlowErrors
 
 LEAST_ON_A_LINE = 3
@@ -64,9 +63,8 @@ class Cell:
     course_p_holm
         Chance of what the other functions add to the constant, with all cells looked at.
     size, stated
-        How large the structure is, root mean square, and how large the stated slow errors of the
-        poses let it be: of frames in m or rad, of jumps at contact in m/s or rad/s. 0 and 0 where
-        none are stated.
+        How large the structure of frames is, m or rad root mean square, and how large the stated
+        slow errors of the poses let it be. 0 and 0 of jumps at contact, and where none are stated.
     """
 
     channel: str
@@ -145,7 +143,7 @@ def cells_of(data: CampaignData, fit: Fit) -> tuple[Cell, ...]:
 def tested(data: CampaignData, fit: Fit) -> Tested:
     """Test the same and hand out what was found on the way."""
     sums = summed(data, fit)
-    covariance = sums.covariance(fit.theory.prior[1])
+    covariance = sums.covariance()
     solved = {name: cell.solved(covariance, sums.left) for name, cell in sums.cells.items()}
     carried = sums.carried(solved, covariance)
     cells = _cells(fit, solved, carried, own_cells(fit.theory, sums))
@@ -156,9 +154,6 @@ def tested(data: CampaignData, fit: Fit) -> Tested:
     cells = _with_means(cells, means, constants, max(fit.chi2_per_dof, 1e-12))
     slow = NO_SLOW_ERRORS if isinstance(data, ContactTable) else data.slow
     cells = [_sized(cell, sums, solved, slow) for cell in cells]
-    if slow.stated and not isinstance(data, ContactTable):
-        rates = shared_rates(data)
-        cells = [_sized_jump(cell, sums, solved, rates) for cell in cells]
     return Tested(tuple(sorted(cells, key=lambda c: (c.p_value, -c.chi2))), sums, solved)
 
 
@@ -212,18 +207,6 @@ def _sized(cell: Cell, sums: Summed, solved: Mapping[Name, Solved], slow: SlowEr
     stated = slow.between_m if lines.unit == "m" else slow.between_rad
     size = crooked(lines.sums, solved[name].amplitudes)
     return replace(cell, size=size, stated=stated)
-
-
-def _sized_jump(
-    cell: Cell, sums: Summed, solved: Mapping[Name, Solved], rates: Mapping[str, float]
-) -> Cell:
-    """Give a cell of jumps the size of its structure, beside what shared slow errors may leave."""
-    name = cell.channel, cell.covariate
-    if name[0] not in sums.jumps:
-        return cell
-    values = sums.covariates[name[1]]
-    course = Smooth.of(values).functions(values) @ solved[name].amplitudes
-    return replace(cell, size=float(np.sqrt((course**2).mean())), stated=rates[name[0]])
 
 
 def crooked(sums: Floats, amplitudes: Floats) -> float:

@@ -28,13 +28,13 @@ def own_cells(theory: Theory, sums: Summed) -> Mapping[str, list[Name]]:
     start = theory.given
     for active in theory.active:
         stop = start + len(active.values)
-        shown = _shown(theory, sums, np.arange(start, stop), active.values - active.effect.off)
+        shown = _shown(sums, np.arange(start, stop), active.values - active.effect.off)
         chosen[active.effect.name] = sorted(shown, key=lambda name: -shown[name])[:OWN_CELLS]
         start = stop
     return chosen
 
 
-def _shown(theory: Theory, sums: Summed, own: NDArray[np.intp], shift: Floats) -> dict[Name, float]:
+def _shown(sums: Summed, own: NDArray[np.intp], shift: Floats) -> dict[Name, float]:
     """Return the fall that each cell would bring in a fit without an effect, free of noise.
 
     What is left there is what the effect does, less what the other parameters can imitate.
@@ -46,8 +46,8 @@ def _shown(theory: Theory, sums: Summed, own: NDArray[np.intp], shift: Floats) -
     shift
         Their values, less those where the effect is off, shape (B,).
     """
-    others = np.setdiff1d(np.arange(len(theory.vector)), own)
-    known, information = theory.prior[1][others], sums.information[np.ix_(others, others)]
+    others = np.setdiff1d(np.arange(len(sums.known)), own)
+    known, information = sums.known[others], sums.information[np.ix_(others, others)]
     covariance = inverse(with_prior(information, known))
     imitated = covariance @ (sums.information[np.ix_(others, own)] @ shift)
 

@@ -11,6 +11,7 @@ from numpy.polynomial import chebyshev
 from analysis.arrays import Floats
 from analysis.model.data.parts import Kept
 from analysis.model.data.stream import CampaignData
+from analysis.model.fitting.field_errors import field_errors
 from analysis.model.fitting.fit import Fit, parts_of
 from analysis.model.fitting.normal import inverse, with_prior
 from analysis.model.rank.projector import ByShot, ColumnSums, Eliminated, Solved, eliminated
@@ -89,8 +90,9 @@ class Summed:
         Sums of each cell, by its name.
     lines
         Of the channels of frames, by the cell's name.
-    information
-        On the shared parameters, the prior not in, shape (P, P).
+    information, known
+        On the shared parameters, those of the field of errors behind those of the fit, the prior
+        not in, shape (P, P); what the prior adds to its diagonal, shape (P,).
     left
         As `Projector` has it, shape (P,).
     told
@@ -104,12 +106,13 @@ class Summed:
     cells: dict[Name, ColumnSums]
     lines: dict[Name, Lines]
     information: Floats
+    known: Floats
     left: Floats
     told: Kept[Told]
 
-    def covariance(self, known: Floats) -> Floats:
-        """Return that of the shared parameters, with a prior's information (P,)."""
-        return inverse(with_prior(self.information, known))
+    def covariance(self) -> Floats:
+        """Return that of the shared parameters, the prior in, shape (P, P)."""
+        return inverse(with_prior(self.information, self.known))
 
     def carried(self, solved: Mapping[Name, Solved], covariance: Floats) -> dict[Name, float]:
         """Return the share of each cell's fall that is gone without its two loudest shots."""
@@ -150,14 +153,17 @@ def summed(data: CampaignData, fit: Fit) -> Summed:
     each = [shot_covariates(part, states) for part, states in parts_of(data, fit)]
     covariates = {name: np.concatenate([own[name] for own in each]) for name in each[0]}
     smooth = {name: Smooth.of(values) for name, values in covariates.items()}
-    size, start = len(theory.vector), 0
+    field = field_errors(data)
+    centre, known = theory.prior
+    strain, known = field.beside((theory.vector - centre) * known, known)
+    size, start = len(strain), 0
     information, downhill = np.zeros((size, size)), np.zeros(size)
     cells: dict[Name, ColumnSums] = {}
     lines: dict[Name, Lines] = {}
     told = data.keep(Told)
     for part, states in parts_of(data, fit):
         own = slice(start, start := start + part.count)
-        sums, added, pulled = eliminated(part, states, theory)
+        sums, added, pulled = eliminated(part, states, theory, field)
         information += added
         downhill += pulled
         contact = contact_columns(part, states, theory)
@@ -169,7 +175,6 @@ def summed(data: CampaignData, fit: Fit) -> Summed:
         _add(cells, {_name(c): ColumnSums.of(one) for c, one in zip(channels, curves, strict=True)})
         _add_lines(lines, channels, reach)
         told.append(Told(jumps, _gradients(curves, part.count)))
-    centre, known = theory.prior
     return Summed(
         jumps=tuple(contact),
         curves=tuple(_name(channel) for channel in channels),
@@ -178,7 +183,8 @@ def summed(data: CampaignData, fit: Fit) -> Summed:
         cells=cells,
         lines=lines,
         information=information,
-        left=downhill + (centre - theory.vector) * known,
+        known=known,
+        left=downhill - strain,
         told=told,
     )
 

@@ -100,3 +100,4 @@ def test_a_campaign_read_in_parts_has_the_same_size() -> None:
     parts = [data.of_shots(np.arange(12) < 5), data.of_shots(np.arange(12) >= 5)]
     found = with_measured_slow_errors(PoseStream.of(parts)).slow
     assert found.position_m == pytest.approx(with_measured_slow_errors(data).slow.position_m)
+    assert found.varying == pytest.approx(with_measured_slow_errors(data).slow.varying)
