@@ -13,6 +13,8 @@ from analysis.schema.codec import BESIDE, STRICT, NotNegative, named
 
 Count = Annotated[int, Field(ge=0)]
 Chance = Annotated[float, Field(ge=0, le=1)]
+TornTrack = tuple[int, str, int, int]
+"""Shot number, sphere, first and last frame index of what was cut of a track."""
 Verdicts = Literal["none", "effect", "alias", "unexplained"]
 
 
@@ -57,7 +59,8 @@ class FitReport:
     rejected_frames
         (shot number, frame index) of frames that were taken out of shots that were kept.
     torn_tracks
-        Shot number and sphere of each track that was cut where it leaves free flight.
+        Shot number, sphere, first and last frame of what was cut of tracks that leave free flight;
+        documents of before have no frames.
     effects
         Names of those that were added; `with` in JSON.
     converged
@@ -71,7 +74,7 @@ class FitReport:
     excluded: tuple[int, ...]
     rejected: tuple[int, ...]
     rejected_frames: tuple[tuple[int, int], ...]
-    torn_tracks: tuple[tuple[int, str], ...]
+    torn_tracks: tuple[TornTrack | tuple[int, str], ...]
     noise: NoiseFactors
     effects: Annotated[tuple[str, ...], named("with", "effects")]
     chi2_per_dof: NotNegative
@@ -219,7 +222,7 @@ class VerdictReport:
     excluded: tuple[int, ...] = ()
     rejected: tuple[int, ...] = ()
     rejected_frames: tuple[tuple[int, int], ...] = ()
-    torn_tracks: tuple[tuple[int, str], ...] = ()
+    torn_tracks: tuple[TornTrack | tuple[int, str], ...] = ()
     verdict: Verdicts
     effects: tuple[str, ...]
     alias_set: tuple[str, ...] = ()

@@ -15,6 +15,7 @@ from analysis.effects.flight.wind import NOMINAL_DRAG
 from analysis.model.data.parts import Kept, cut, in_memory
 from analysis.model.data.plate import LEVEL, Plate
 from analysis.model.fitting.systematics import Systematic, of_air, of_images, of_plate
+from analysis.schema.verdict import TornTrack
 from analysis.setup import DRAG_SIGMA, NO_SLOW_ERRORS, CameraSetup, SlowErrors
 
 Frame = tuple[int, int]
@@ -85,7 +86,7 @@ class PoseData:
     excluded
         Numbers of shots that are not here because a person left them out.
     torn
-        Shot number and sphere of each track that was cut where it leaves free flight.
+        Shot number, sphere, first and last frame of what was cut of tracks that leave free flight.
     slow
         Errors that last, of a typical shot.
     own_slow
@@ -110,7 +111,7 @@ class PoseData:
     estimated: bool = False
     unusable: tuple[int, ...] = ()
     excluded: tuple[int, ...] = ()
-    torn: tuple[tuple[int, str], ...] = ()
+    torn: tuple[TornTrack, ...] = ()
     slow: SlowErrors = NO_SLOW_ERRORS
     jitter_s: float = 0.0
     own_slow: Mapping[int, SlowErrors] = field(default_factory=dict)

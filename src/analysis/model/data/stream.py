@@ -16,6 +16,7 @@ from analysis.model.data.poses import Frame, PoseData
 from analysis.model.data.spool import Spool
 from analysis.model.data.tables import ContactTable, Data
 from analysis.model.fitting.systematics import Systematic
+from analysis.schema.verdict import TornTrack
 from analysis.setup import SlowErrors
 
 T = TypeVar("T")
@@ -49,7 +50,7 @@ class PoseStream:
     estimated
         Whether some errors were not stated.
     torn
-        Shot number and sphere of each track that was cut where it leaves free flight.
+        Shot number, sphere, first and last frame of what was cut of tracks that leave free flight.
     """
 
     stored: Kept[PoseData]
@@ -63,7 +64,7 @@ class PoseStream:
     unusable: tuple[int, ...] = ()
     excluded: tuple[int, ...] = ()
     estimated: bool = False
-    torn: tuple[tuple[int, str], ...] = ()
+    torn: tuple[TornTrack, ...] = ()
 
     @classmethod
     def of(cls, parts: Iterable[PoseData]) -> PoseStream:
@@ -160,7 +161,7 @@ class PoseStream:
 
     def changed(self, change: Callable[[PoseData], PoseData]) -> PoseStream:
         """Return the stream with all its parts changed once, and kept so."""
-        stored, torn = Spool(PoseData), list[tuple[int, str]]()
+        stored, torn = Spool(PoseData), list[TornTrack]()
         for part in regrouped(part.padded(self.frames) for part in self.stored):
             other = change(part)
             torn += other.torn

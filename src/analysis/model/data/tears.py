@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from analysis.arrays import Floats
 from analysis.model.data.poses import PoseData
 from analysis.motion.tears import BEYOND, MOST_SIGMAS, WINDOW, torn
+from analysis.schema.verdict import TornTrack
 
 STRONG_DRAG = 1.0
 """Drag coefficient beyond that of any smooth sphere in air."""
@@ -34,18 +35,23 @@ def without_torn_tracks(data: PoseData) -> PoseData:
         both, apart = data.seen, np.abs(data.times_s)
     nearest = np.where(both, apart, np.inf).argmin(axis=1)
     cut = np.zeros(seen.shape, dtype=np.bool_)
+    tracks: list[TornTrack] = []
     for s in np.flatnonzero(both.any(axis=1)):
         for i in (0,) if data.on_plate else (0, 1):
             frames = np.flatnonzero(seen[s, :, i])
             for side in (frames[frames < nearest[s]][::-1], frames[frames > nearest[s]]):
-                cut[s, side, i] = _beyond(data, int(s), i, side, int(nearest[s]))
+                beyond = side[_beyond(data, int(s), i, side, int(nearest[s]))]
+                cut[s, beyond, i] = True
+                if beyond.size:
+                    ends = int(beyond.min()), int(beyond.max())
+                    tracks.append((int(data.shots[s]), "ab"[i], *ends))
     if not cut.any():
         return data
     return replace(
         data,
         position_sigma=np.where(cut[..., None], np.inf, data.position_sigma),
         rotation_sigma=np.where(cut, np.inf, data.rotation_sigma),
-        torn=tuple((int(data.shots[s]), "ab"[i]) for s, i in np.argwhere(cut.any(axis=1))),
+        torn=tuple(tracks),
     )
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from analysis.model.fitting.summary import FitSummary
+from analysis.schema.verdict import TornTrack
 
 AS_STATED = (1.0, 1.0)
 
@@ -25,14 +26,14 @@ class Account:
     noise
         By what stated sigmas of positions and of orientations were multiplied.
     torn
-        Shot number and sphere of each track that was cut where it leaves free flight.
+        Shot number, sphere, first and last frame of what was cut of tracks that leave free flight.
     """
 
     excluded: list[int]
     rejected: list[int]
     frames: tuple[tuple[int, int], ...]
     noise: tuple[float, float]
-    torn: tuple[tuple[int, str], ...] = ()
+    torn: tuple[TornTrack, ...] = ()
 
     def remarks(self) -> list[str]:
         """Say what was left out, and where stated sigmas were not believed."""
@@ -47,8 +48,14 @@ class Account:
             frames = [f"{frame} of shot {shot}" for shot, frame in self.frames]
             found.append(f"frames left out: {', '.join(frames)}")
         if self.torn:
-            tracks = [f"of sphere {sphere} in shot {shot}" for shot, sphere in self.torn]
-            found.append(f"tracks cut where they leave free flight: {', '.join(tracks)}")
+            tracks = (
+                f"frames {first} to {last} of sphere {sphere} in shot {shot}"
+                for shot, sphere, first, last in self.torn
+            )
+            found.append(
+                "left out where a track leaves free flight (a second contact, a tube, an outline"
+                f" that was lost): {', '.join(tracks)}"
+            )
         if self.noise != AS_STATED:
             position, rotation = self.noise
             found.append(

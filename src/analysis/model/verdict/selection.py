@@ -31,7 +31,7 @@ from analysis.model.structure.lackoffit import Cell, lack_of_fit
 from analysis.model.verdict.exchange import AliasSets, exchanged, fits_without
 from analysis.model.verdict.forward import Found, forward
 from analysis.model.verdict.part import what_explains
-from analysis.schema.verdict import Verdicts
+from analysis.schema.verdict import TornTrack, Verdicts
 
 DROP_LEVEL = 0.0005
 
@@ -58,7 +58,7 @@ class Verdict:
     cleaned
         What was used, and what was taken out.
     torn
-        Shot number and sphere of each track that was cut where it leaves free flight.
+        Shot number, sphere, first and last frame of what was cut of tracks that leave free flight.
     noise
         By what stated sigmas of positions and orientations were multiplied; 1: as stated.
     """
@@ -72,7 +72,7 @@ class Verdict:
     cells: tuple[Cell, ...]
     cleaned: Cleaned
     noise: tuple[float, float]
-    torn: tuple[tuple[int, str], ...] = ()
+    torn: tuple[TornTrack, ...] = ()
 
     @property
     def alias_set(self) -> tuple[str, ...]:
