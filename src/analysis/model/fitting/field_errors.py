@@ -25,7 +25,7 @@ from analysis.arrays import Floats
 from analysis.model.data.poses import PoseData
 from analysis.model.data.stream import CampaignData
 from analysis.model.data.tables import ContactTable, Data
-from analysis.model.fitting.normal import solve_blocks
+from analysis.model.fitting.normal import inverse, solve_blocks
 from analysis.model.predict.comparison import KINDS, by_block, weights
 from analysis.model.predict.linear import linearise
 from analysis.model.predict.state import ShotStates
@@ -174,6 +174,26 @@ def with_field(
         between += field.products(part, free if line.shared is None else line.shared.weigh(free))
     moved = covariance @ between
     return np.asarray(covariance + moved @ moved.T)
+
+
+def explained_by(
+    field: FieldErrors, parts: Iterable[tuple[Data, ShotStates]], theory: Theory
+) -> float:
+    """Return by how much chi-squared falls, the prior of the field in, where the field is fitted.
+
+    What is left has the degrees of freedom of the fit: a prior counts as a measurement of each
+    amplitude.
+    """
+    centre, known = field.beside(*theory.prior)
+    information, downhill = np.diag(known), known * (centre - field.beside(theory.vector, known)[0])
+    for part, states in parts:
+        line = linearise(part, states, theory, given=field.columns(part))
+        coupling = np.swapaxes(line.by_state, 1, 2) @ line.by_theory
+        free = line.by_theory - line.by_state @ solve_blocks(line.states, coupling)
+        flat = free.reshape(-1, len(known))
+        information = information + line.by_theory.reshape(flat.shape).T @ flat
+        downhill = downhill + line.residual.ravel() @ flat
+    return float(downhill @ inverse(information) @ downhill)
 
 
 def _visited(data: PoseData, sphere: int) -> Floats:

@@ -13,7 +13,7 @@ from analysis.model.data.parts import Kept, cut, regrouped
 from analysis.model.data.stream import CampaignData, beside
 from analysis.model.data.tables import ContactTable, Data
 from analysis.model.data.unseen import fitted_numbers
-from analysis.model.fitting.field_errors import field_errors, with_field
+from analysis.model.fitting.field_errors import explained_by, field_errors, with_field
 from analysis.model.fitting.gauss_newton import TO_THE_END, Purpose, descended, linearised, summed
 from analysis.model.fitting.normal import NormalEquations, inverse, prior_cost
 from analysis.model.fitting.own_fit import own_states
@@ -26,6 +26,9 @@ from analysis.model.predict.theory import LAW, LAW_PRIOR, Theory
 START = WaltonLaw(*LAW_PRIOR)
 MISLEADING = 1.5
 """Chi-squared per degree of freedom of a fit whose states are no start for another."""
+RARE, MOST_BY_FIELD = 0.01, 1.5
+"""Chance of a chi-squared below which it is more than noise, and per degree of freedom beyond which
+it is more than a field of errors leaves."""
 FEW = 30
 OTHER_STARTS = (WaltonLaw(0.74, 0.08, 0.2), WaltonLaw(0.74, 0.12, 0.6), WaltonLaw(0.74, 0.05, 0.4))
 """Where so few shots are fitted from as well: one that lies between rolling and sliding can hold
@@ -93,13 +96,10 @@ def fit_campaign(
     for stand in last.stands:
         parts.append(stand.states)
     chi2 = np.concatenate([stand.chi2 for stand in last.stands])
-    covariance = inverse(last.matrix)
-    if not purpose.roughly:
-        covariance = with_field(covariance, field_errors(data), beside(data, parts), last.theory)
-    return Fit(
+    fit = Fit(
         theory=last.theory,
         parts=parts,
-        covariance=covariance,
+        covariance=inverse(last.matrix),
         chi2=float(chi2.sum()) + last.theory.strain,
         residuals=int(measured.sum()) + last.theory.given - len(LAW),
         shot_chi2=chi2,
@@ -108,6 +108,22 @@ def fit_campaign(
         converged=converged,
         scatter=start.scatter if start is not None and data.jitter_s > 0 else {},
     )
+    return fit if purpose.roughly else _beside_field(data, fit)
+
+
+def _beside_field(data: CampaignData, fit: Fit) -> Fit:
+    """Return a fit with what a field of errors does to its parameters and its chi-squared.
+
+    Only where chi-squared is more than chance and yet near the noise is it asked what of it a field
+    explains.
+    """
+    field, theory = field_errors(data), fit.theory
+    if not field.count:
+        return fit
+    covariance = with_field(fit.covariance, field, parts_of(data, fit), theory)
+    in_question = fit.p_chi2 < RARE and fit.chi2_per_dof < MOST_BY_FIELD
+    by_field = explained_by(field, parts_of(data, fit), theory) if in_question else 0.0
+    return replace(fit, covariance=covariance, by_field=by_field)
 
 
 def _misled(data: CampaignData, start: Fit) -> bool:

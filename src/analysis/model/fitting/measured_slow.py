@@ -4,12 +4,14 @@ Where spheres are learned, few films say how large they are (`photometric.slow_s
 to a third. All flights of a campaign determine it to a tenth. Lines in free flight, with a drag of
 the air, and a constant spin are taken out of each flight, and what is left is seen in the next
 polynomials of time, of turns in what no start and no spin make: fresh errors have unit variance
-there, slow ones a gain that follows from how long they last. No law of contact enters.
+there, slow ones a gain that follows from how long they last. In what flights through the same
+places agree is a field of errors that all of them share (`field_errors`); how large that is shows
+too, and the likeliest one is taken out. No law of contact enters.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from dataclasses import field as field_of
 from functools import partial
@@ -53,14 +55,19 @@ def with_measured_slow_errors(data: C) -> C:
     """
     if isinstance(data, ContactTable) or data.bodies[1].is_plate or data.slow.position_m <= 0.0:
         return data
-    field = field_errors(data)
+    first = next(iter(data.parts()))
+    known, field = list(_numbers(first)), field_errors(data)
     factor, off = 1.0, NO_PART
     for _ in range(2):
-        seen = [film for part in data.parts() for film in _films(part, off)]
+        seen = [
+            film
+            for k, part in enumerate(data.parts())
+            for film in _films(part, _numbers(part) if k else known, off)
+        ]
         if not any(film.squares.size for film in seen):
             return data
         factor = slow_size(seen, 1.0)
-        off = _part_of_field(next(iter(data.parts())), field, factor)
+        off = _part_of_field(first, known, field, factor)
     change = partial(_resized, factor=factor, varying=off.size)
     return data.changed(change) if isinstance(data, PoseStream) else change(data)
 
@@ -130,10 +137,12 @@ class _PartOfField:
 NO_PART = _PartOfField()
 
 
-def _part_of_field(data: PoseData, field: FieldErrors, factor: float) -> _PartOfField:
+def _part_of_field(
+    data: PoseData, known: Iterable[_Numbers], field: FieldErrors, factor: float
+) -> _PartOfField:
     """Return how large the field is by what the flights of a part of a campaign agree in."""
     sums: dict[tuple[int, tuple[int, ...]], list[Floats]] = {}
-    for numbers in _numbers(data):
+    for numbers in known:
         columns = numbers.by_field(data, field)
         weight = 1.0 / (1.0 + factor**2 * numbers.gains)
         own = sums.setdefault((numbers.sphere, numbers.axes), [np.zeros(()), np.zeros(())])
@@ -143,8 +152,8 @@ def _part_of_field(data: PoseData, field: FieldErrors, factor: float) -> _PartOf
     gains = np.concatenate([values for values, _, _ in solved.values()] or [np.empty(0)])
     along = [vectors.T @ right for _, vectors, right in solved.values()]
     squares = np.concatenate([own**2 for own in along] or [np.empty(0)])
-    told = gains > LEAST_GAIN
-    evidence = Evidence(gains[told], squares[told] / gains[told])
+    seen = gains > LEAST_GAIN
+    evidence = Evidence(gains[seen], squares[seen] / gains[seen])
     size = slow_size([evidence], MIDDLE_OF_VARYING)
     amplitudes = {
         name: vectors @ (vectors.T @ right / (np.maximum(values, 0.0) + size**-2))
@@ -153,14 +162,14 @@ def _part_of_field(data: PoseData, field: FieldErrors, factor: float) -> _PartOf
     return _PartOfField(field, size, amplitudes)
 
 
-def _films(data: PoseData, off: _PartOfField) -> Iterator[Evidence]:
+def _films(data: PoseData, known: Iterable[_Numbers], off: _PartOfField) -> Iterator[Evidence]:
     """Yield what each shot of a part shows of its slow errors, in units of those stated.
 
     Less what a field of errors does.
     """
     gains: list[list[Floats]] = [[np.empty(0)] for _ in data.shots]
     squares: list[list[Floats]] = [[np.empty(0)] for _ in data.shots]
-    for numbers in _numbers(data):
+    for numbers in known:
         values = off.less(numbers, data)
         for row, gain, value in zip(numbers.shots, numbers.gains, values, strict=True):
             gains[row].append(gain)

@@ -37,6 +37,9 @@ class FitSummary:
         How many of each shot's own numbers the data determine, shape (S,).
     converged
         Whether a further step would lower chi-squared by less than what matters.
+    by_field
+        Of chi-squared, what errors that change with the place explain (`field_errors`), where it is
+        more than chance.
     scatter
         Parameters of noise that the data were given besides their sigmas.
     """
@@ -49,6 +52,7 @@ class FitSummary:
     shot_residuals: NDArray[np.intp]
     nuisance_count: NDArray[np.intp]
     converged: bool
+    by_field: float = 0.0
     scatter: Mapping[str, Quantity] = field(default_factory=dict)
 
     @property
@@ -64,7 +68,7 @@ class FitSummary:
     @property
     def p_chi2(self) -> float:
         """Chance of so large a chi-squared when nothing is missing and the sigmas are true."""
-        return float(chi_squared.chance_of_more(self.chi2, self.freedom))
+        return float(chi_squared.chance_of_more(self.chi2 - self.by_field, self.freedom))
 
     def parameters(self) -> dict[str, Quantity]:
         """Return law and effects with their standard errors.

@@ -19,6 +19,7 @@ from analysis.model.fitting.field_errors import Field, field_errors
 from analysis.model.fitting.fit import fit_campaign
 from analysis.model.fitting.measured_slow import with_measured_slow_errors
 from analysis.model.rank.ranking import rank
+from analysis.model.structure.far_off import is_far_off
 from analysis.model.structure.lackoffit import lack_of_fit
 from analysis.setup import NO_SLOW_ERRORS, SlowErrors
 from tests.unit.analysis.model.hard_spheres import Hidden, campaign
@@ -142,3 +143,12 @@ def test_a_field_leaves_slow_errors_of_flights_as_they_are() -> None:
     slow = SlowErrors(position_m=1e-6, rotation_rad=1e-4, shared_m=PLACE_M)
     found = with_measured_slow_errors(replace(seen_by_place(7), slow=slow)).slow
     assert found.position_m < 0.5e-6
+
+
+def test_a_chi_squared_that_the_field_makes_is_not_rare() -> None:
+    for seed in SEEDS:
+        data = seen_by_place(seed)
+        stated, bare = fit_campaign(data), fit_campaign(unstated(data))
+        assert bare.p_chi2 < 1e-6
+        assert stated.p_chi2 > 1e-3
+        assert not is_far_off(stated)
