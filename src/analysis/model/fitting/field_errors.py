@@ -143,11 +143,11 @@ NO_FIELDS = FieldErrors()
 
 
 def field_errors(data: CampaignData) -> FieldErrors:
-    """Return the fields of a campaign; none where no slow errors are stated.
+    """Return the fields of a campaign; none where no errors that change with the place are stated.
 
     Which places count is seen in the first part of a campaign: its flights go where all go.
     """
-    if isinstance(data, ContactTable) or not data.slow.stated:
+    if isinstance(data, ContactTable) or data.slow.varying_m + data.slow.varying_rad <= 0.0:
         return NO_FIELDS
     first = next(iter(data.parts()))
     moving = 1 if first.on_plate else 2

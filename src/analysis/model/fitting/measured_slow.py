@@ -67,7 +67,7 @@ def with_measured_slow_errors(data: C) -> C:
         if not any(film.squares.size for film in seen):
             return data
         factor = slow_size(seen, 1.0)
-        off = _part_of_field(first, known, field, factor)
+        off = _part_of_field(first, known, field, factor) if field.count else NO_PART
     change = partial(_resized, factor=factor, varying=off.size)
     return data.changed(change) if isinstance(data, PoseStream) else change(data)
 

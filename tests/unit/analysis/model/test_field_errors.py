@@ -100,6 +100,8 @@ def test_functions_have_the_fields_correlation_between_the_places_it_was_made_fr
 
 def test_without_slow_errors_there_is_no_field() -> None:
     assert field_errors(unstated(seen_by_place(1))).count == 0
+    alike = replace(seen_by_place(1), slow=replace(SLOW, varying=0.0))
+    assert field_errors(with_measured_slow_errors(alike)).count == 0
     assert field_errors(seen_by_place(1)).count > 0
 
 

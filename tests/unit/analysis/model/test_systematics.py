@@ -1,4 +1,7 @@
-"""What an error of the measurement explains is no finding; what is larger still is one."""
+"""What an error of the measurement explains is no finding; what is larger still is one.
+
+None of these errors changes with the place.
+"""
 
 from __future__ import annotations
 
@@ -33,14 +36,14 @@ def off_centre(size_m: float, *, pattern_m: float) -> PoseData:
     data = campaign(60, 41)
     offset = size_m * np.array([[0.8, -0.6, 0.0], [0.0, 0.6, 0.8]])
     moved = data.position + (data.rotation @ offset[..., None])[..., 0]
-    return replace(data, position=moved, slow=SlowErrors(pattern_m, 1e-7))
+    return replace(data, position=moved, slow=SlowErrors(pattern_m, 1e-7, varying=0.0))
 
 
 def beside(offset: Floats, *, slow_m: float) -> PoseData:
     """Return spheres of which b is always seen beside where it is."""
     data = campaign(60, 42)
     moved = data.position + np.stack([np.zeros(3), offset])
-    return replace(data, position=moved, slow=SlowErrors(slow_m, 1e-7))
+    return replace(data, position=moved, slow=SlowErrors(slow_m, 1e-7, varying=0.0))
 
 
 def enlarged(share: float, *, told: float) -> PoseData:
@@ -56,7 +59,9 @@ def turned(*, slow_rad: float) -> PoseData:
     """
     data = campaign(60, 44, position_sigma=1e-6, rotation_sigma=5e-4)
     seen = Rotation.from_rotvec(TURN_RAD).as_matrix()
-    return replace(data, rotation=seen @ data.rotation, slow=SlowErrors(rotation_rad=slow_rad))
+    return replace(
+        data, rotation=seen @ data.rotation, slow=SlowErrors(rotation_rad=slow_rad, varying=0.0)
+    )
 
 
 def of_spins(data: PoseData) -> list[Cell]:
