@@ -167,7 +167,7 @@ def _fits(data: PoseData, fit: Fit, known: Known) -> Json:
     """Return whether the model fits, and what to add first where it does not."""
     document = {"chi2_per_dof": fit.chi2_per_dof, "p_chi2": fit.p_chi2}
     try:
-        require_one_that_fits([fit])
+        require_one_that_fits(data, [fit])
     except MisfitError:
         return {**document, "fits": False, "add_first": to_add_first(data, fit, known.effects)}
     return {**document, "fits": True, "add_first": None}

@@ -16,7 +16,7 @@ from analysis.model.data.stream import CampaignData
 from analysis.model.data.tables import ContactTable
 from analysis.model.data.tables_noise import with_scatter_as_noise
 from analysis.model.fitting.account import AS_STATED
-from analysis.model.fitting.fit import Fit, fit_campaign
+from analysis.model.fitting.fit import Fit, beside_field, fit_campaign
 from analysis.model.fitting.noise import NoiseScale, noise_scales
 from analysis.model.fitting.outliers import Cleaned, clean
 from analysis.model.predict.theory import Theory
@@ -73,7 +73,8 @@ def weighed(stated: CampaignData, theory: Theory | None = None) -> Evidence:
     noise = corrections(noise_scales(cleaned.data, cleaned.fit))
     if noise != AS_STATED and not isinstance(stated, ContactTable):
         cleaned = clean(stated.with_noise(*noise), cleaned.fit.theory)
-    return Evidence(stated, cleaned, noise)
+    fit = beside_field(cleaned.data, cleaned.fit)
+    return Evidence(stated, replace(cleaned, fit=fit), noise)
 
 
 def corrections(scales: tuple[NoiseScale, NoiseScale]) -> tuple[float, float]:
@@ -96,7 +97,8 @@ def stage_of(data: CampaignData, fit: Fit, error: PredictionError | None = None)
     names = tuple(active.effect.name for active in fit.theory.active)
     if data.jitter_s > 0:
         names = (*names, JITTER.name)
-    return Stage(names, fit, prediction_error(data, fit) if error is None else error)
+    own = prediction_error(data, fit) if error is None else error
+    return Stage(names, beside_field(data, fit), own)
 
 
 def weighed_again(

@@ -183,7 +183,7 @@ class _Contest:
 def _contest(data: PoseData, base: Fit, pair: tuple[Effect | None, Effect | None]) -> _Contest:
     """Fit both; how far either is believed follows from how well it fits."""
     first, second = (best_fit(data, base, effect) for effect in pair)
-    require_one_that_fits((first, second))
+    require_one_that_fits(data, (first, second))
     if pair[0] is None or pair[1] is None:
         fits = (second, first) if pair[0] is None else (first, second)
         return _Contest(data, (fits,), (Belief(noise=max(fits[0].chi2_per_dof, 1.0)),))

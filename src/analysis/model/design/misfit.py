@@ -6,7 +6,7 @@ from collections.abc import Collection, Sequence
 
 from analysis.effects.effect import Effect
 from analysis.model.data.poses import PoseData
-from analysis.model.fitting.fit import Fit
+from analysis.model.fitting.fit import Fit, beside_field
 from analysis.model.rank.ranking import rank
 from analysis.model.structure.far_off import is_far_off
 
@@ -34,7 +34,7 @@ class MisfitError(Exception):
         )
 
 
-def require_one_that_fits(fits: Sequence[Fit]) -> None:
+def require_one_that_fits(data: PoseData, fits: Sequence[Fit]) -> None:
     """Refuse fits that all leave more than chance, two of their shots apart.
 
     Raises
@@ -42,7 +42,7 @@ def require_one_that_fits(fits: Sequence[Fit]) -> None:
     MisfitError
         All of them do.
     """
-    if all(is_far_off(fit) for fit in fits):
+    if all(is_far_off(beside_field(data, fit)) for fit in fits):
         raise MisfitError(min(fits, key=lambda fit: fit.chi2_per_dof))
 
 

@@ -96,7 +96,7 @@ def fit_campaign(
     for stand in last.stands:
         parts.append(stand.states)
     chi2 = np.concatenate([stand.chi2 for stand in last.stands])
-    fit = Fit(
+    return Fit(
         theory=last.theory,
         parts=parts,
         covariance=inverse(last.matrix),
@@ -108,18 +108,20 @@ def fit_campaign(
         converged=converged,
         scatter=start.scatter if start is not None and data.jitter_s > 0 else {},
     )
-    return fit if purpose.roughly else _beside_field(data, fit)
 
 
-def _beside_field(data: CampaignData, fit: Fit) -> Fit:
+def beside_field(data: CampaignData, fit: Fit) -> Fit:
     """Return a fit with what a field of errors does to its parameters and its chi-squared.
 
+    What a fit is judged by or handed on with has to hold it; those on the way to it do without.
     Only where chi-squared is more than chance and yet near the noise is it asked what of it a field
     explains.
     """
+    if fit.by_field is not None:
+        return fit
     field, theory = field_errors(data), fit.theory
     if not field.count:
-        return fit
+        return replace(fit, by_field=0.0)
     covariance = with_field(fit.covariance, field, parts_of(data, fit), theory)
     in_question = fit.p_chi2 < RARE and fit.chi2_per_dof < MOST_BY_FIELD
     by_field = explained_by(field, parts_of(data, fit), theory) if in_question else 0.0

@@ -73,13 +73,14 @@ def robust_fit_with(base: RobustFit, effects: Sequence[Effect]) -> RobustFit:
         return base
     for effect in effects:
         data, fit = added(data, fit, effect)
-    again, path = weighed_again(evidence, [stage_of(data, fit)], data.jitter_s)
+    begun = stage_of(data, fit)
+    again, path = weighed_again(evidence, [begun], data.jitter_s)
     for law in (effect for effect in effects if isinstance(effect, ContactLaw)):
         last = path[-1].fit
         theory = law_again(again, last, law) if last.theory.contact_law else last.theory
         if theory is not last.theory:
             better = stage_of(again.data, fit_campaign(again.data, theory))
             again, path = weighed_again(again, [better], data.jitter_s)
-    if again is evidence and path[-1].fit is fit:
-        return RobustFit(evidence, data, fit)
+    if again is evidence and path[-1] is begun:
+        return RobustFit(evidence, data, begun.fit)
     return RobustFit(again, again.data, path[-1].fit)

@@ -39,7 +39,7 @@ class FitSummary:
         Whether a further step would lower chi-squared by less than what matters.
     by_field
         Of chi-squared, what errors that change with the place explain (`field_errors`), where it is
-        more than chance.
+        more than chance; None: not asked, nor is it in the covariance what they do.
     scatter
         Parameters of noise that the data were given besides their sigmas.
     """
@@ -52,7 +52,7 @@ class FitSummary:
     shot_residuals: NDArray[np.intp]
     nuisance_count: NDArray[np.intp]
     converged: bool
-    by_field: float = 0.0
+    by_field: float | None = None
     scatter: Mapping[str, Quantity] = field(default_factory=dict)
 
     @property
@@ -68,7 +68,7 @@ class FitSummary:
     @property
     def p_chi2(self) -> float:
         """Chance of so large a chi-squared when nothing is missing and the sigmas are true."""
-        return float(chi_squared.chance_of_more(self.chi2 - self.by_field, self.freedom))
+        return float(chi_squared.chance_of_more(self.chi2 - (self.by_field or 0.0), self.freedom))
 
     def parameters(self) -> dict[str, Quantity]:
         """Return law and effects with their standard errors.

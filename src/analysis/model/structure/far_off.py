@@ -23,5 +23,5 @@ def is_far_off(fit: FitSummary) -> bool:
     if len(own) < FEWEST or fit.p_chi2 > FAR_OFF:
         return False
     loudest = np.argsort(fit.shot_chi2 - own)[-LOUDEST:]
-    chi2 = fit.chi2 - fit.by_field - float(fit.shot_chi2[loudest].sum())
+    chi2 = fit.chi2 - (fit.by_field or 0.0) - float(fit.shot_chi2[loudest].sum())
     return bool(chi_squared.chance_of_more(chi2, fit.freedom - int(own[loudest].sum())) < FAR_OFF)

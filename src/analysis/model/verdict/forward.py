@@ -135,8 +135,8 @@ def _stages(
     evidence: Evidence, leader: Leader, fit: Fit, laws: Sequence[ContactLaw]
 ) -> Iterator[Stage]:
     """Yield a leader's stage as fitted, and, where it is far off, with laws looked for anew."""
-    yield stage_of(leader.data, fit)
-    if is_far_off(fit):
+    yield (begun := stage_of(leader.data, fit))
+    if is_far_off(begun.fit):
         for law in laws:
             theory = law_again(evidence, fit, law)
             if theory is not fit.theory:

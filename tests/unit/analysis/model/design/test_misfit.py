@@ -45,8 +45,8 @@ def test_an_effect_that_is_asked_for_is_not_its_own_remedy() -> None:
 
 
 def test_one_of_two_that_fits_is_enough() -> None:
-    _, bad = lasting()
+    data, bad = lasting()
     good = fit_campaign(fired(drawn_settings(8, 5), Nature(), 5))
-    require_one_that_fits([bad, good])
+    require_one_that_fits(data, [bad, good])
     with pytest.raises(MisfitError):
-        require_one_that_fits([bad])
+        require_one_that_fits(data, [bad])
