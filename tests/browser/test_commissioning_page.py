@@ -6,6 +6,8 @@ from playwright.sync_api import Page, expect
 
 
 def test_a_step_is_done_by_the_daemon_and_seen_by_people_that_are_named(page: Page) -> None:
+    # A shot of another test may not have ended yet.
+    expect(page.get_by_test_id("state")).to_have_text("idle")
     page.get_by_test_id("commissioning").click()
     step = page.get_by_test_id("step")
     expect(step).to_contain_text("Supply on (supply)")
