@@ -1,7 +1,7 @@
 """Errors as films leave them, laid on true poses: fresh, slow, and shared by a whole campaign.
 
 What all flights share is the same all over the field, or changes with the place of a sphere in it:
-a light that is not quite as learned does either.
+a light that is not quite as learned does either. A learned pattern of markers is off its sphere.
 """
 
 from __future__ import annotations
@@ -72,7 +72,10 @@ def filmed(
         apart = slow.shared_m * _over_field(true.position, rng)
         turn = slow.common_rad * _over_field(true.position, rng)
         seen = Rotation.from_rotvec(turn.reshape(-1, 3)).as_matrix().reshape(true.rotation.shape)
-    position = scale * true.position + apart + places
+    # The learned pattern of markers off its sphere, fixed in each body.
+    pattern = slow.common_m * rng.normal(size=(2, 3, 1))
+    held = (true.rotation @ pattern)[..., 0]
+    position = scale * true.position + apart + held + places
     turned = Rotation.from_rotvec(turns.reshape(-1, 3)).as_matrix().reshape(true.rotation.shape)
     return replace(
         true,
