@@ -213,29 +213,13 @@ def fit_flights(
         if fitted is None or fitted.contradiction:
             problem.prior_sigma[path.FALL] = 10.0
             fitted = replace(_settle(problem, again=fitted is None and again), contradiction=True)
-        kept = _long_flights(fitted, problem.high(fitted))
+        kept = fitted.longest_chain(problem.high(fitted))
         if len(kept) == fitted.bounces + 1:
             return fitted
         # A flight of few frames ends the chain, or the chain begins after it.
         observed = observed.of(np.isin(fitted.arcs, kept))
         start = start.of(slice(kept[0], kept[-1]) if kept else slice(0, 0))
     return None
-
-
-def _long_flights(flights: Flights, high: NDArray[np.bool_]) -> list[int]:
-    """Return the neighbouring flights with enough frames that hold the most."""
-    used = flights.used & high if (flights.used & high).sum() >= LEAST_PLACES else flights.used
-    counts = [int((used & (flights.arcs == k)).sum()) for k in range(flights.bounces + 1)]
-    # What does not come and go again is no bounce: flights on its two sides are two chains.
-    real = np.concatenate([[True], (flights.contacts[:, [1, 3]] > 0).all(axis=1)])
-    best: list[int] = []
-    run: list[int] = []
-    for k, count in enumerate(counts):
-        run = run if real[k] else []
-        run = [*run, k] if count >= LEAST_PLACES else []
-        if sum(counts[j] for j in run) > sum(counts[j] for j in best):
-            best = run
-    return best
 
 
 def _settle(problem: _Problem, *, again: bool) -> Flights:

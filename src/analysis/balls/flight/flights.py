@@ -151,6 +151,24 @@ class Flights:
         own = self.observed.sigmas * self.sigma_scale
         return np.where(self.used[:, None], own, np.maximum(own, np.abs(self.residuals)))
 
+    def longest_chain(self, high: NDArray[np.bool_]) -> list[int]:
+        """Return the neighbouring flights with enough frames that hold the most.
+
+        Of places that leave the shadow at the plate, `high` of shape (N,), where enough do.
+        """
+        used = self.used & high if (self.used & high).sum() >= LEAST_PLACES else self.used
+        counts = [int((used & (self.arcs == k)).sum()) for k in range(self.bounces + 1)]
+        # What does not come and go again is no bounce: flights on its two sides are two chains.
+        real = np.concatenate([[True], (self.contacts[:, [1, 3]] > 0).all(axis=1)])
+        best: list[int] = []
+        run: list[int] = []
+        for k, count in enumerate(counts):
+            run = run if real[k] else []
+            run = [*run, k] if count >= LEAST_PLACES else []
+            if sum(counts[j] for j in run) > sum(counts[j] for j in best):
+                best = run
+        return best
+
     def row_delay(self, places: Floats) -> Floats:
         """Return how much later than the first row each place is read, s."""
         line = places[:, 1] if self.readout == "columns" else places[:, 0]
