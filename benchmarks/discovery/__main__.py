@@ -53,7 +53,8 @@ def main() -> None:
     parser.add_argument("--processes", type=int, default=1)
     parser.add_argument("--large", action="store_true", help="memory: 100 000 shots as well")
     parser.add_argument("--slow-px", type=float, help="pulls: poses as exact as filmed ones")
-    parser.add_argument("--by-place", action="store_true", help="hidden, pulls: shared errors are")
+    help_ = "hidden, pulls: what all flights share of errors changes with the place"
+    parser.add_argument("--by-place", action="store_true", help=help_)
     wanted = vars(parser.parse_args())
     section = wanted.pop("section")
     options = Options(**wanted)

@@ -4,10 +4,11 @@ Each seed is a campaign of shots over 25 to 85 kPa and 0 to 18 mm, filmed until 
 left the views, with the scale unstated. Prints for each sphere and axis the rms and the largest
 pull of single frames, the share of them beyond 5 stated errors, the pulls of offset and slope of
 whole flights with the slow error that the true errors have most likely, the frames that are off by
-more than 0.1 mm, and the pulls of the impacts: of
-velocities and spins by axis, of e, v_n and v_s. A pull is an error over its stated one; 1 rms is
-right. With --folders campaigns of frames with a truth.json are judged as they lie; where they have
-perspective, places do not lie where a plain projection has them, and the impacts count alone.
+more than 0.1 mm, and the pulls of the impacts: of velocities and spins by axis, of e, v_n and v_s.
+Of each campaign: what the errors of different shots have in common, by the distance of their
+places. A pull is an error over its stated one; 1 rms is right. With --folders campaigns of frames
+with a truth.json are judged as they lie; where they have perspective, places do not lie where a
+plain projection has them, and the impacts count alone.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ import numpy as np
 
 from analysis.campaign import analyse_campaign, read_campaign
 from analysis.shot import AnalysisOptions, MeasuredShot
+from benchmarks.tracks.by_place import show_shared
 from benchmarks.tracks.flights import Flight, common_scale, flights
 from benchmarks.tracks.impacts import impact_pulls
 from benchmarks.tracks.pulls import BEYOND, pulls, rms, slow_size
@@ -128,13 +130,15 @@ def main() -> None:
             print(folder.name)
             found, optics = judged(folder, chosen.workers)
             shots = list(found.values())
-            every.extend(flights(list(found), shots, optics))
+            own_flights = list(flights(list(found), shots, optics))
+            every.extend(own_flights)
             first, off = shots[0][0], common_scale(shots, optics)
             for name, own in impact_pulls(shots, off).items():
                 impacts[name] += own
             slow_um = 1e6 * first.slow.position_m
             print(f"  {len(shots)} shots, lengths off by {off:+.2e}, stated {first.slow.scale:.2e}")
             print(f"  slow error {slow_um:.2f} um, {1e3 * first.slow.rotation_rad:.3f} mrad")
+            show_shared(own_flights)
     show(every)
     show_impacts(impacts)
 

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from benchmarks.faults import PASSED, plan
+from benchmarks.soak import Size, at_rest
 
 ROOT = Path(__file__).parents[2]
 
@@ -64,4 +65,15 @@ def test_five_hundred_shots_in_a_row_are_all_stored_in_a_process_that_does_not_g
     tmp_path: Path,
 ) -> None:
     found = run("soak", tmp_path, "--shots", "500")
-    assert (found["fires"], found["failed"]) == (500, [])
+    assert found["failed"] == []
+    assert found["fires"] == found["shots"] >= 500
+
+
+@pytest.mark.parametrize(("mib_per_shot", "rests"), [(0.001, True), (0.1, False)])
+def test_a_process_that_grows_with_its_shots_is_never_at_rest(
+    mib_per_shot: float, rests: bool
+) -> None:
+    sizes = [Size(shots, 250 + mib_per_shot * shots, 60, 12) for shots in range(300, 1001, 50)]
+    assert all(at_rest(sizes[: k + 1], 200) is rests for k in range(4, len(sizes)))
+    more = [Size(each.shots, 250.0, 60 + k, 12) for k, each in enumerate(sizes)]
+    assert not at_rest(more, 200)

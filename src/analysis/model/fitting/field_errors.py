@@ -7,11 +7,11 @@ error does not average out, no scatter shows it, and a flight takes its course f
 It is a Gaussian field, of a size that the flights show (`SlowErrors.varying_m`, `varying_rad`) and
 correlated over a third of a flight's path, which makes rates nearly as wrong as a field can: a
 shorter course averages out within a flight, a longer one is the same for all of it and has its
-parameters in every fit. What is scored beside a fit, whether
-an effect, a law or a cell of what is left, is scored beside this field: as columns with a prior,
-projected out with all that is fitted. The field is expanded in the functions that explain most of
-its variance over the places that were visited (Karhunen and Loeve, by the method of C. K. I.
-Williams and M. Seeger, Advances in Neural Information Processing Systems 13, 682 (2001)).
+parameters in every fit. What is scored beside a fit, whether an effect, a law or a cell of what is
+left, is scored beside this field: as columns with a prior, projected out with all that is fitted.
+The field is expanded in the functions that explain most of its variance over the places that were
+visited (Karhunen and Loeve, by the method of C. K. I. Williams and M. Seeger, Advances in Neural
+Information Processing Systems 13, 682 (2001)).
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from analysis.arrays import Floats
 from analysis.model.data.poses import PoseData
 from analysis.model.data.stream import CampaignData
 from analysis.model.data.tables import ContactTable, Data
-from analysis.model.fitting.normal import inverse, solve_blocks
+from analysis.model.fitting.normal import inverse
 from analysis.model.predict.comparison import KINDS, by_block, weights
 from analysis.model.predict.linear import linearise
 from analysis.model.predict.state import ShotStates
@@ -169,8 +169,7 @@ def with_field(
     between = np.zeros((len(covariance), field.count))
     for part, states in parts:
         line = linearise(part, states, theory)
-        coupling = np.swapaxes(line.by_state, 1, 2) @ line.by_theory
-        free = line.by_theory - line.by_state @ solve_blocks(line.states, coupling)
+        free, _, _ = line.without_states()
         between += field.products(part, free if line.shared is None else line.shared.weigh(free))
     moved = covariance @ between
     return np.asarray(covariance + moved @ moved.T)
@@ -188,11 +187,8 @@ def explained_by(
     information, downhill = np.diag(known), known * (centre - field.beside(theory.vector, known)[0])
     for part, states in parts:
         line = linearise(part, states, theory, given=field.columns(part))
-        coupling = np.swapaxes(line.by_state, 1, 2) @ line.by_theory
-        free = line.by_theory - line.by_state @ solve_blocks(line.states, coupling)
-        flat = free.reshape(-1, len(known))
-        information = information + line.by_theory.reshape(flat.shape).T @ flat
-        downhill = downhill + line.residual.ravel() @ flat
+        _, more, further = line.without_states()
+        information, downhill = information + more, downhill + further
     return float(downhill @ inverse(information) @ downhill)
 
 

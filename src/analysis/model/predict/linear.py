@@ -15,6 +15,7 @@ from analysis.effects.effect import Effect
 from analysis.model.data.poses import PoseData
 from analysis.model.data.tables import Data
 from analysis.model.fitting.jitter import by_frame
+from analysis.model.fitting.normal import solve_blocks
 from analysis.model.fitting.shared_noise import SharedNoise
 from analysis.model.predict.columns import all_columns
 from analysis.model.predict.comparison import KINDS, compare, misfit
@@ -51,6 +52,18 @@ class Linearised:
     states: Floats
     own_gradient: Floats
     shared: SharedNoise | None
+
+    def without_states(self) -> tuple[Floats, Floats, Floats]:
+        """Return what the shots' own numbers leave to those that all share.
+
+        The derivatives by them less what the shots' own can imitate, (S, N, P); the information on
+        them, (P, P); and downhill by them, (P,).
+        """
+        coupling = np.swapaxes(self.by_state, 1, 2) @ self.by_theory
+        free = self.by_theory - self.by_state @ solve_blocks(self.states, coupling)
+        flat = free.reshape(self.residual.size, -1)
+        information = self.by_theory.reshape(flat.shape).T @ flat
+        return free, information, self.residual.ravel() @ flat
 
 
 def linearise(

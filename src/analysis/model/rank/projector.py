@@ -199,8 +199,7 @@ def eliminated(
     downhill by them, (P,).
     """
     line = linearise(data, states, theory, given=field.columns(data))
-    by_state = np.swapaxes(line.by_state, 1, 2)
-    shared = line.by_theory - line.by_state @ solve_blocks(line.states, by_state @ line.by_theory)
+    shared, information, downhill = line.without_states()
     own = Eliminated(
         residual=line.residual,
         by_state=line.by_state,
@@ -209,6 +208,4 @@ def eliminated(
         shared=shared,
         noise=line.shared,
     )
-    size = shared.shape[2]
-    information = line.by_theory.reshape(-1, size).T @ shared.reshape(-1, size)
-    return own, information, line.residual.ravel() @ shared.reshape(-1, size)
+    return own, information, downhill
