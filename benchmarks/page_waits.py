@@ -29,6 +29,8 @@ LOOK_MS = 50
 GONE_MS = 5_000
 REST_S, AT_REST, MOST_LOOKS = 2.0, 0.2, 60
 """Time between two looks, CPU seconds a second below which processes rest, and how many looks."""
+CHOSEN = 7
+"""So many cells are chosen."""
 CANCELLED = 5
 """So many waits of a kind are cancelled."""
 BROAD = {
@@ -123,15 +125,22 @@ def settle(daemon: Daemon) -> None:
     raise RuntimeError("the daemon does not come to rest")
 
 
-def cell_shown(page: Page, daemon: Daemon) -> Waited:
-    """Choose another cell of the story's map; return the wait until its points are drawn."""
-    settle(daemon)
-    points = page.evaluate(POINTS)
-    cell = page.get_by_test_id("map").locator("[aria-pressed=false]").first
-    meter = Meter(daemon)
-    cell.click()
-    page.wait_for_function(NEW_POINTS, arg=points)
-    return meter.read()
+def cells_shown(page: Page, daemon: Daemon) -> list[Waited]:
+    """Choose one cell of the story's map after another; return the waits for their points.
+
+    The map is looked at before: what comes into sight with it is loaded by then.
+    """
+    page.get_by_test_id("map").scroll_into_view_if_needed()
+    taken = []
+    for _ in range(CHOSEN):
+        settle(daemon)
+        points = page.evaluate(POINTS)
+        cell = page.get_by_test_id("map").locator("[aria-pressed=false]").nth(len(taken))
+        meter = Meter(daemon)
+        cell.click()
+        page.wait_for_function(NEW_POINTS, arg=points)
+        taken.append(meter.read())
+    return taken
 
 
 def undone(page: Page, daemon: Daemon) -> Waited:

@@ -43,6 +43,45 @@ def test_a_value_out_of_range_is_refused_with_the_range(page: Page) -> None:
     expect(page.get_by_test_id("arm")).to_be_disabled()
 
 
+def test_the_next_film_is_drawn_in_the_place_of_the_last(page: Page) -> None:
+    film = page.get_by_test_id("film")
+    name = page.get_by_text(re.compile(r"^Shot \d+$"))
+    fire(page)
+    film.wait_for(timeout=FIRST_USE_MS)
+    page.get_by_test_id("coefficients").wait_for(timeout=FIRST_USE_MS)
+    first = name.inner_text()
+    film.evaluate("(element) => { element.dataset.kept = 'yes'; }")
+    frames = page.locator(".strip .frame")
+    at_contact = page.get_by_test_id("where").inner_text()
+    frames.first.press("Enter")
+    expect(page.get_by_test_id("where")).not_to_have_text(at_contact)
+    expect(frames.first).to_be_focused()
+    assert marked(page) == [0]
+    fire(page)
+    expect(name).not_to_have_text(first, timeout=FIRST_USE_MS)
+    expect(page.get_by_test_id("where")).to_contain_text("at contact", timeout=FIRST_USE_MS)
+    number = int(name.inner_text().removeprefix("Shot "))
+    expect(page.get_by_role("img", name=re.compile(f"^film of shot {number},"))).to_be_attached()
+    assert film.get_attribute("data-kept") == "yes"
+    captions = frames.all_inner_texts()
+    assert [captions[place] for place in marked(page)] == ["contact"]
+
+
+def fire(page: Page) -> None:
+    page.get_by_test_id("arm").click()
+    page.get_by_test_id("fire").click()
+
+
+def marked(page: Page) -> list[int]:
+    """Return the places of the frames of the strip whose border is drawn."""
+    found: list[int] = page.locator(".strip .frame").evaluate_all(
+        """(all) => all.map((one, place) => [one, place])
+          .filter(([one]) => getComputedStyle(one).borderTopColor !== "rgba(0, 0, 0, 0)")
+          .map(([, place]) => place)"""
+    )
+    return found
+
+
 def test_the_stop_is_in_reach_by_button_and_key_and_is_left_with_a_reason(page: Page) -> None:
     page.get_by_test_id("arm").click()
     expect(page.get_by_test_id("fire")).to_be_enabled()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from threading import Event
 from typing import TypeVar
 
@@ -17,11 +18,15 @@ from rigctl.page.feed import Feed
 from rigctl.page.parts.presence import is_late
 from rigctl.page.parts.readings import Readings
 from rigctl.page.shots.films import Films
+from rigctl.rig.states import RigState
 from rigctl.service.lanes import Lanes
 
 T = TypeVar("T")
 REST_S = 0.02
 """Between two parts of pages that are drawn anew."""
+NEAR_FIRE, NEAR_S = frozenset({RigState.ARMED, RigState.FIRING}), 0.5
+"""States in which drawing waits, and how long of each, s. Programs fire as soon as they have armed;
+people take longer, and see the last shot meanwhile."""
 TOO_LATE = (
     "Not done: it was pressed while the page had no connection. See how the rig stands, and press "
     "it again."
@@ -68,13 +73,21 @@ class Desk:
         """Draw a part of a page anew when it is its turn; a page that was left is not drawn.
 
         However many pages are open, requests come in between: a fire request waits for one part of
-        one page at most.
+        one page at most, and for none where it comes as soon as the rig is armed.
         """
         client = context.client
         async with self.pencil:
+            while self._fire_is_near():
+                await asyncio.sleep(REST_S)
             if not client.is_deleted:
                 part()
                 await asyncio.sleep(REST_S)
+
+    def _fire_is_near(self) -> bool:
+        """Say whether a program may be about to fire, or the rig fires; neither lasts for long."""
+        rig = self.daemon.rig.status()
+        for_s = (datetime.now(UTC) - rig.since).total_seconds()
+        return rig.state in NEAR_FIRE and 0.0 <= for_s < NEAR_S
 
     async def act(self, call: Callable[[], T], *, moves: bool = False) -> T | None:
         """Run what moves the rig or writes; a refusal is shown in its own words and gives None.

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import itertools
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from typing import Any, TypeVar
 
 from rigctl.daemon import Daemon
 from rigctl.jobs import Job
@@ -13,6 +15,7 @@ from rigctl.rig.status import Transition
 from rigctl.store import ShotRecord
 from rigctl.sweeps.status import SweepStatus
 
+T = TypeVar("T")
 MOST_KEPT = 200
 READ_BACK = 30
 """So many entries of the audit are shown from before the start."""
@@ -49,6 +52,7 @@ class Feed:
         self._numbers = itertools.count(1)
         self._said: dict[str, str] = {}
         self._told = itertools.count(1)
+        self._shared: dict[str, tuple[int, Any]] = {}
         self.told = 0
         self._read_back(daemon)
         daemon.rig.listeners.add(self._rig)
@@ -60,6 +64,14 @@ class Feed:
     def latest(self, count: int) -> list[Happening]:
         """Return the last happenings, the latest first."""
         return list(itertools.islice(reversed(tuple(self._kept)), count))
+
+    def shared(self, name: str, read: Callable[[], T]) -> T:
+        """Return what `read` finds in the store; read once after each change for all pages."""
+        told, found = self.told, self._shared.get(name)
+        if found is None or found[0] != told:
+            found = self._shared[name] = told, read()
+        value: T = found[1]
+        return value
 
     @property
     def last(self) -> int:

@@ -118,7 +118,7 @@ class Rail:
     def _stand(self) -> Progress:
         self._heard = self._desk.feed.told
         now = progress_of(
-            self._desk.daemon.store.campaigns.all(),
+            self._desk.feed.shared("campaigns", self._desk.daemon.store.campaigns.all),
             any_measured=any_measured(self._desk),
             compared=self._compared,
         )
@@ -222,4 +222,8 @@ def _lead(text: str, address: str, look: str = "fill") -> None:
 
 def any_measured(desk: Desk) -> bool:
     """Say whether any shot of the store is measured."""
-    return bool(desk.daemon.store.shots(limit=1, state=ShotState.ANALYSED))
+
+    def read() -> bool:
+        return bool(desk.daemon.store.shots(limit=1, state=ShotState.ANALYSED))
+
+    return desk.feed.shared("any measured", read)

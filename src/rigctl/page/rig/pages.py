@@ -20,7 +20,8 @@ from rigctl.page.rig.commissioning import PLACE as WALK
 from rigctl.page.rig.film import PLACE as FILM
 from rigctl.page.rig.order_form import OrderForm, words
 from rigctl.page.rig.recorder import PLACE as KEYPAD
-from rigctl.page.shots.view import coefficients, film, read
+from rigctl.page.shots.player import Player
+from rigctl.page.shots.view import coefficients, film, in_place, read
 from rigctl.rig.interlocks import Interlock
 from rigctl.rig.status import RigStatus
 from rigctl.settings import ShotSettings
@@ -60,6 +61,9 @@ class LastShot:
             self._name, self._about = ui.label(), ui.label().classes("aside")
             self._open = ui.link("open").classes("aside")
         self._head()
+        self._older = ui.label().classes("note")
+        self._player: Player | None = None
+        self._say_whose()
         self.film()
         following(TICK_S, self._follow)
 
@@ -82,11 +86,15 @@ class LastShot:
             ).classes("empty")
             rig_drawing(self._desk)
             return
-        if self._shot is not None and self._shot.id != self._filmed.id:
-            ui.label(f"Film of shot {self._filmed.number}, until this one has frames.").classes(
-                "note"
-            )
-        film(self._desk, self._filmed)
+        self._player = film(self._desk, self._filmed)
+
+    def _say_whose(self) -> None:
+        """Say of which shot the film is while the last one has none."""
+        shown = self._filmed
+        older = shown is not None and self._shot is not None and shown.id != self._shot.id
+        self._older.set_visibility(older)
+        if shown is not None and older:
+            self._older.set_text(f"Film of shot {shown.number}, until this one has frames.")
 
     @ui.refreshable_method
     def beside(self) -> None:
@@ -106,17 +114,23 @@ class LastShot:
         self._head()
         await self._desk.draw(self.beside.refresh)
         filmed = now if now.frames or now.outcome or self._filmed is None else self._filmed
-        if _film_of(filmed, now) != _film_of(self._filmed, before):
-            self._filmed = filmed
-            await self._desk.draw(self.film.refresh)
+        changed = _film_of(filmed) != _film_of(self._filmed)
+        self._filmed = filmed
+        self._say_whose()
+        if changed:
+            await self._desk.draw(self._film_anew)
+
+    def _film_anew(self) -> None:
+        player, shot = self._player, self._filmed
+        if player is None or shot is None or not in_place(self._desk, player, shot):
+            self.film.refresh()
 
 
-def _film_of(filmed: ShotRecord | None, shot: ShotRecord | None) -> object:
+def _film_of(shot: ShotRecord | None) -> object:
     """Return what a drawn film depends on: whose it is, and what was found in it."""
-    if filmed is None or shot is None:
+    if shot is None:
         return None
-    state = filmed.state if filmed.frames is None else None
-    return filmed.id, filmed.id == shot.id, state, filmed.results
+    return shot.id, shot.state if shot.frames is None else None, shot.results
 
 
 def _filled(fill: str) -> ShotSettings | None:

@@ -10,9 +10,9 @@ from rigctl.page.parts.tables import minus
 from rigctl.page.parts.widgets import button
 from rigctl.page.shots.film import frame_address
 from rigctl.page.shots.overlay import LAYERS, Overlays
+from rigctl.page.shots.strip import Strip, frames_about
 from rigctl.store import ShotRecord
 
-SHOWN_IN_STRIP = 10
 SPEEDS = {2: "2 per s", 5: "5 per s", 10: "10 per s", 20: "20 per s"}
 JOG = 10
 WHOLE_MS = 0.9
@@ -26,70 +26,79 @@ HELP = {
 
 
 class Player:
-    """Shows one shot; placed where it is made.
+    """Shows one shot; placed where it is made. `load` puts another in its place.
 
     Parameters
     ----------
-    shot
-        With stored frames.
     size
         Columns and rows of a frame.
-    overlays
-        What the analysis found.
-    times_s
-        Time of each frame from the mark, s.
-    start
-        Frame shown first; None: the contact. Without a contact the strip lies about it.
     keys
         Whether arrows and the space bar of the keyboard step and play.
     """
 
-    def __init__(
-        self,
-        shot: ShotRecord,
-        size: tuple[int, int],
-        overlays: Overlays,
-        times_s: Sequence[float],
-        *,
-        start: int | None = None,
-        keys: bool = False,
-    ) -> None:
-        self._shot, self._overlays, self._times = shot, overlays, times_s
-        self._count = len(times_s)
-        contact = overlays.contact_frame
-        self._contact = self._within(start or 0 if contact is None else contact)
-        self._frame = self._contact if start is None else self._within(start)
+    def __init__(self, size: tuple[int, int], *, keys: bool = False) -> None:
+        self.size = size
+        self._shot: ShotRecord | None = None
+        self._overlays, self._times = Overlays.of({}), tuple[float, ...]()
+        self._contact = self._frame = 0
         self._layers = [layer for layer in LAYERS if layer != "tracks"]
         with ui.element("div").props("role=img").classes("wide") as self._named:
             self._picture = ui.interactive_image(size=size, sanitize=False).classes("film")
         self._picture.props("data-testid=film aria-hidden=true")
-        self._strip()
+        self._strip = Strip(self.show)
         self._keypad()
         self._playing = ui.timer(0.1, lambda: self.step(1, around=True), active=False)
         if keys:
             ui.keyboard(on_key=self._on_key)
-        self.show(self._frame)
+
+    def load(
+        self,
+        shot: ShotRecord,
+        overlays: Overlays,
+        times_s: Sequence[float],
+        *,
+        start: int | None = None,
+    ) -> None:
+        """Show a shot whose frames have the same size.
+
+        Parameters
+        ----------
+        shot
+            With stored frames.
+        overlays
+            What the analysis found.
+        times_s
+            Time of each frame from the mark, s.
+        start
+            Frame shown first; None: the contact. Without a contact the strip lies about it.
+        """
+        self._shot, self._overlays, self._times = shot, overlays, tuple(times_s)
+        contact = overlays.contact_frame
+        self._contact = self._within(start or 0 if contact is None else contact)
+        frames = frames_about(self._contact, len(self._times))
+        self._strip.draw(shot.id, self.size, frames, [self._caption(frame) for frame in frames])
+        self._playing.active = False
+        self._play_key.set_text("Play")
+        self.show(self._contact if start is None else start)
 
     def show(self, frame: int) -> None:
         """Show a frame, counted from 0; one beyond the film is its last or first."""
+        if self._shot is None:
+            return
         self._frame = self._within(frame)
         self._picture.set_source(frame_address(self._shot.id, self._frame))
         self._picture.set_content(self._overlays.drawing(self._frame, self._layers))
         self._where.set_text(self._said())
         self._named.props(f'aria-label="film of shot {self._shot.number}, {self._said()}"')
-        for place, thumbnail in self._thumbnails.items():
-            if place == self._frame:
-                thumbnail.classes(add="now")
-            elif "now" in thumbnail.classes:
-                thumbnail.classes(remove="now")
+        self._strip.mark(self._frame)
 
     def step(self, by: int, *, around: bool = False) -> None:
         """Go some frames on, or back; `around` begins anew after the last."""
         frame = self._frame + by
-        self.show(frame % self._count if around else frame)
+        self.show(frame % len(self._times) if around else frame)
 
     def _said(self) -> str:
-        words = f"frame {self._frame} of 0–{self._count - 1}"
+        words = f"frame {self._frame} of 0–{len(self._times) - 1}"
         since = self._since(self._frame)
         if since is None:
             return words
@@ -113,38 +122,18 @@ class Player:
             return f"frame {frame}"
         if frame == self._contact:
             return "contact"
-        step = 1e3 * (self._times[-1] - self._times[0]) / max(self._count - 1, 1)
+        step = 1e3 * (self._times[-1] - self._times[0]) / max(len(self._times) - 1, 1)
         return minus(f"{since:+.{0 if step >= WHOLE_MS else 1}f} ms")
 
     def _within(self, frame: int) -> int:
-        return min(max(frame, 0), self._count - 1)
-
-    def _strip(self) -> None:
-        """Show frames about the contact, farther apart the farther away."""
-        reach = (SHOWN_IN_STRIP - 1) // 2
-        offsets = [round(0.5 * k * abs(k)) + 2 * k for k in range(-reach - 1, reach + 1)]
-        places = [self._contact + offset for offset in offsets]
-        self._thumbnails: dict[int, ui.element] = {}
-        with ui.element("div").classes("strip"):
-            for place in places:
-                if 0 <= place < self._count and place not in self._thumbnails:
-                    self._thumbnails[place] = self._thumbnail(place)
-
-    def _thumbnail(self, place: int) -> ui.element:
-        with ui.element("button").classes("frame") as thumbnail:
-            ui.element("img").props(
-                f'src="{frame_address(self._shot.id, place)}" alt="" loading=lazy'
-            )
-            ui.label(self._caption(place))
-        thumbnail.props(f'aria-label="show frame {place}"').on("click", lambda: self.show(place))
-        return thumbnail
+        return min(max(frame, 0), len(self._times) - 1)
 
     def _keypad(self) -> None:
         with ui.element("div").classes("keys"):
             keys = (("≪ jog", -JOG), ("◀ step", -1), ("step ▶", 1), ("jog ≫", JOG))
             for name, by in keys[:2]:
                 self._key(name, by)
-            play = button("Play", lambda: self._play(play), testid="play")
+            self._play_key = button("Play", self._play, testid="play")
             for name, by in keys[2:]:
                 self._key(name, by)
             speed = ui.select(SPEEDS, value=10, on_change=self._set_speed)
@@ -161,9 +150,9 @@ class Player:
     def _key(self, name: str, by: int) -> None:
         button(name, lambda: self.step(by))
 
-    def _play(self, play: ui.button) -> None:
+    def _play(self) -> None:
         self._playing.active = not self._playing.active
-        play.set_text("Pause" if self._playing.active else "Play")
+        self._play_key.set_text("Pause" if self._playing.active else "Play")
 
     def _set_speed(self, event: events.ValueChangeEventArguments[int]) -> None:
         self._playing.interval = 1 / float(event.value)

@@ -17,6 +17,7 @@ from rigctl.page.parts.quantities import COEFFICIENTS, VALUE
 from rigctl.page.parts.tables import Cell, facts, measured
 from rigctl.page.parts.waiting import UNSAID_S, said_of
 from rigctl.page.parts.widgets import button
+from rigctl.page.shots.films import Film
 from rigctl.page.shots.player import Player
 from rigctl.page.shots.refused import refused_card
 from rigctl.store import ShotRecord, ShotState
@@ -98,29 +99,52 @@ def _read(desk: Desk, shot: ShotRecord) -> None:
             desk.films.film(shot)
 
 
-def film(desk: Desk, shot: ShotRecord, *, start: int | None = None, keys: bool = False) -> None:
-    """Place the film of a shot, or say why there is none.
+def film(
+    desk: Desk, shot: ShotRecord, *, start: int | None = None, keys: bool = False
+) -> Player | None:
+    """Place the film of a shot and return it, or say why there is none and return None.
 
     It begins at frame `start`; without it where the shot was refused, or at the contact.
     """
     if not shot.frames:
         waiting = WAITED_FOR.get(shot.state, shot.failure or "no frames were stored")
         ui.label(f"No film: {waiting}.").classes("empty")
-        return
+        return None
     try:
-        result, found = desk.films.result(shot), desk.films.film(shot)
+        found = desk.films.film(shot)
     except RigError as error:
         ui.label(error.sentence()).classes("empty")
-        return
-    if start is None and found.overlays.contact_frame is None:
-        start = result.get("frame", found.brightest)
+        return None
     if found.blank:
         _told(
             "Nothing stands out in these frames.",
             "See whether the lens is covered, the lamp is lit and the tubes were loaded.",
             testid="blank",
         )
-    Player(shot, found.size, found.overlays, found.times_s, start=start, keys=keys)
+    player = Player(found.size, keys=keys)
+    _load(player, desk, shot, found, start)
+    return None if found.blank else player
+
+
+def in_place(desk: Desk, player: Player, shot: ShotRecord) -> bool:
+    """Show another film in a player that stands already, which costs a tenth of a new one.
+
+    False: this film needs more than that, and nothing has changed.
+    """
+    try:
+        found = desk.films.film(shot) if shot.frames else None
+    except RigError:
+        return False
+    if found is None or found.blank or found.size != player.size:
+        return False
+    _load(player, desk, shot, found, None)
+    return True
+
+
+def _load(player: Player, desk: Desk, shot: ShotRecord, found: Film, start: int | None) -> None:
+    if start is None and found.overlays.contact_frame is None:
+        start = desk.films.result(shot).get("frame", found.brightest)
+    player.load(shot, found.overlays, found.times_s, start=start)
 
 
 def coefficients(desk: Desk, shot: ShotRecord) -> None:
