@@ -131,7 +131,7 @@ def cells_shown(page: Page, daemon: Daemon) -> list[Waited]:
     The map is looked at before: what comes into sight with it is loaded by then.
     """
     page.get_by_test_id("map").scroll_into_view_if_needed()
-    taken = []
+    taken: list[Waited] = []
     for _ in range(CHOSEN):
         settle(daemon)
         points = page.evaluate(POINTS)
