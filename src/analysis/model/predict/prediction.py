@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 
@@ -29,6 +28,7 @@ from analysis.model.data.poses import PoseData
 from analysis.model.loops import plain
 from analysis.model.loops.flight import free_flight
 from analysis.model.predict.contact import contact_outcome
+from analysis.model.predict.passages import Passage, felt, gauss_legendre
 from analysis.model.predict.sides import Flights, flights
 from analysis.model.predict.state import ShotStates
 from analysis.model.predict.theory import Theory
@@ -175,28 +175,6 @@ def appear(
     return position
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Passage:
-    """A sphere on its way to all frames at one node of the integrals, as small forces find it.
-
-    Attributes
-    ----------
-    sphere
-        0 or 1.
-    flying
-        Its motion there, unperturbed.
-    push
-        Displacement in each frame for a unit of acceleration there, s^2, shape (S, F, 3).
-    twist
-        Rotation for a unit of angular acceleration, s^2, shape (S, F, 1).
-    """
-
-    sphere: int
-    flying: Flying
-    push: Floats
-    twist: Floats
-
-
 Forces = Sequence[tuple[FlightEffect, Values]]
 Change = tuple[Floats, Floats | None]
 """Displacement, m, and rotation vector, shape (S, F, 2, 3); None: a force that turns nothing."""
@@ -231,15 +209,17 @@ class OnWay:
     def _change(self, effect: FlightEffect, values: Values) -> Change:
         """Return what an effect adds.
 
-        Double integrals of the acceleration along the unperturbed path, int_0^t (t - s) a(s) ds.
+        Double integrals of the acceleration, int_0^t (t - s) a(s) ds: along the unperturbed path
+        and, where flights last long, along the one that the effect itself bends.
         """
         push, twist = np.zeros_like(self.flown.position), np.zeros_like(self.flown.position)
         turns = False
         for i in (0, 1):
             # In arrays of their own: a sphere's part of the whole is slow to add to.
             pushed, twisted = np.zeros((2, *push[:, :, i].shape))
-            for passage in (p for p in self._found(effect.nodes) if p.sphere == i):
-                linear, angular = effect.accelerate(passage.flying, values)
+            on_way = [one for one in self._found(effect.nodes) if one.sphere == i]
+            found = felt(on_way, effect, values, bent=self.data.on_plate)
+            for passage, (linear, angular) in zip(on_way, found, strict=True):
                 if np.any(linear):
                     pushed += passage.push * linear
                 if np.any(angular):
@@ -264,24 +244,17 @@ def _key(effect: FlightEffect, values: Values) -> tuple[str, bytes]:
 def _passages(data: PoseData, flown: Flown, nodes: int) -> list[Passage]:
     """Return the passages at the Gauss-Legendre nodes of int_0^t (t - s) a(s) ds."""
     since, turning = flown.since
-    places, shares = _gauss_legendre(nodes)
     found = []
     for i, body in enumerate(data.bodies):
         if body.is_plate:
             continue
         own = since[:, :, i]
-        for node, share in zip((1.0 + places) / 2.0, shares / 2.0, strict=True):
+        for node, share in zip(*gauss_legendre(nodes), strict=True):
             flying = _flying(data, flown, own, i, node)
             twist = share * (1.0 - node) * turning[:, :, i, None] ** 2
             push = share * own * ((1.0 - node) * own)
-            found.append(Passage(i, flying, push, twist))
+            found.append(Passage(i, flying, own, push, twist))
     return found
-
-
-@cache
-def _gauss_legendre(nodes: int) -> tuple[Floats, Floats]:
-    """Return the places of nodes from -1 to 1 and their weights."""
-    return np.polynomial.legendre.leggauss(nodes)
 
 
 def _flying(data: PoseData, flown: Flown, own: Floats, i: int, node: float) -> Flying:

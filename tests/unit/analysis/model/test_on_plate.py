@@ -26,6 +26,8 @@ from tests.unit.analysis.model.dropped import write_drops
 
 FALLEN = Drop(drag_coefficient=0.45, friction=0.15, tilt=(0.004, -0.003))
 VISCOUS = Drop(drag_coefficient=0.45, viscous=True)
+LIGHT = Drop(radius_m=0.02, density_kg_per_m3=84.0, drag_coefficient=0.45)
+"""A ball of table tennis: the air takes a tenth of its speed in a flight."""
 
 
 @pytest.fixture(scope="module")
@@ -106,6 +108,26 @@ def test_a_ball_without_markers_shows_air_and_restitution_that_falls_with_speed(
     assert abs(drag.value - 0.45) < 4 * drag.sigma
     # What was not seen is not determined.
     assert np.isnan(verdict.fit.parameters()["mu"].value)
+
+
+def test_the_air_is_as_thick_for_a_ball_that_it_slows_down_much(tmp_path: Path) -> None:
+    folder = tmp_path / "light"
+    write_drops(
+        folder,
+        LIGHT,
+        shots=6,
+        seed=6,
+        heights_m=(0.2, 0.6),
+        sideways=0.02,
+        spinning=0.0,
+        lasts_s=1.0,
+        rate_hz=250.0,
+        markers=False,
+        air="drag_coefficient = 0.5\ndrag_coefficient_sigma = 0.1",
+    )
+    drag = robust_fit(posed(folder)).fit.systematics()["drag.Cd"]
+    # Along paths that the air does not bend it is 0.462.
+    assert drag.value == pytest.approx(0.45, abs=0.002)
 
 
 def test_a_law_that_is_far_off_makes_no_flight_look_noisy(plain: Path) -> None:
