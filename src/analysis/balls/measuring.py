@@ -24,7 +24,6 @@ from analysis.balls.systematics import (
     apart_sigmas,
     leans_of,
     shifts,
-    systematic_e,
     whole_sigmas,
 )
 
@@ -37,9 +36,9 @@ MUCH_LEFT = 6.0
 """Mean square that a fit leaves, over the film's median: something else is at the ball."""
 LEAST_SIGMA = 0.3
 """Of the median stated error: no frame counts for more."""
-LEAST_CODEC_E = 1.2e-3
-"""Standard error of e that a codec leaves: it moves rims by amounts that follow the ball's way, so
-that neither the scatter about the flights nor the radius tells (python -m benchmarks.balls)."""
+LEAST_CODEC_E = 8e-4
+"""Standard error of e that a codec leaves beside that of the radius: it moves rims by amounts that
+follow the ball's way, which no scatter about flights tells (python -m benchmarks.balls)."""
 SPEED_STEP_S = 1e-4
 
 
@@ -63,8 +62,8 @@ class MeasuredBall:
         Its standard error where it was found; None: stated, or too short to be seen.
     flights
         None: no bounce has enough frames on both sides.
-    systematic_e
-        What the ball's radius and light do to e of each bounce; shape (B,).
+    unsettled_e
+        By how much e of each bounce changed when the ball's light was learned last; shape (B,).
     head
         Of the film.
     """
@@ -76,7 +75,7 @@ class MeasuredBall:
     exposure_s: float
     exposure_found: float | None
     flights: Flights | None
-    systematic_e: Floats
+    unsettled_e: Floats
     head: FilmHead
 
     @property
@@ -154,10 +153,10 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
         placed = placer.place(own, motion, row_time)
         if leans is None:
             leans = leans_of(placer, (own, motion, row_time), placed)
-    systematic, moved = np.zeros(0), np.zeros((2, 0, 2))
+    unsettled, moved = np.zeros(0), np.zeros((2, 0, 2))
     if flights is not None:
         moved = shifts(looks, bare, flights)
-        systematic = np.hypot(_last_change(coefficients), systematic_e(flights, moved[0]))
+        unsettled = _last_change(coefficients)
     return MeasuredBall(
         search=found,
         placed=placed if flights is None else _placed(told_by, flights, moved),
@@ -166,7 +165,7 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
         exposure_s=placer.exposure_s,
         exposure_found=None if told is None else float(told[1]),
         flights=flights,
-        systematic_e=systematic,
+        unsettled_e=unsettled,
         head=film.head,
     )
 
@@ -255,5 +254,5 @@ def coefficient(measured: MeasuredBall, bounce: int) -> tuple[float, float]:
     slope = slopes[3] / contact[1] - value * slopes[1] / contact[1]
     variance = float(slope @ flights.covariance @ slope)
     coded = LEAST_CODEC_E if measured.head.compressed else 0.0
-    own = math.sqrt(variance), float(measured.systematic_e[bounce]), flights.doubt, coded
+    own = math.sqrt(variance), float(measured.unsettled_e[bounce]), flights.doubt, coded
     return float(value), math.hypot(*own)

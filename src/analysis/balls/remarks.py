@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.balls.films.film import FilmHead
 from analysis.balls.flight.flights import LARGE_CHI2, LEAST_PLACES, MOST_LEFT_OUT, Flights
 from analysis.balls.measuring import MeasuredBall
@@ -15,6 +16,8 @@ from analysis.balls.seen.arcs import Arc, Chain
 from analysis.errors import counted
 
 NEAR_RADII = 1.6
+UNSETTLED_E = 0.01
+"""Change of e when the ball's light is learned once more, of flights that do not fit the film."""
 SHOWN = 12
 """Frames that a sentence lists."""
 
@@ -42,6 +45,7 @@ def _remarks(measured: MeasuredBall) -> Iterator[str]:
         )
         return
     yield from _of_flights(measured.flights, head)
+    yield from _unsettled(measured.unsettled_e, measured.flights)
 
 
 def _other(other: Chain, is_round: bool) -> str:
@@ -193,4 +197,17 @@ def _of_flights(flights: Flights, head: FilmHead) -> Iterator[str]:
         yield (
             "frames that do not count (exposed during a contact, or off the flights): "
             + ", ".join(map(str, left_out))
+        )
+
+
+def _unsettled(unsettled_e: Floats, flights: Flights) -> Iterator[str]:
+    """Name bounces whose e goes on changing as often as the film is fitted."""
+    for bounce in np.flatnonzero(unsettled_e > UNSETTLED_E).tolist():
+        last = int(np.flatnonzero(flights.arcs <= bounce)[-1])
+        row, column = flights.observed.places[last]
+        yield (
+            f"e of bounce {bounce + 1}, after frame {flights.observed.frames[last]} at "
+            f"({row:.0f}, {column:.0f}) px, still changes by {unsettled_e[bounce]:.2f} each time "
+            "that the film is fitted: the film's rate varies and its times do not say so, or "
+            "something holds or hides the ball; the error of e holds as much"
         )

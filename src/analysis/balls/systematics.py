@@ -1,4 +1,4 @@
-"""What the choices of a fit do to places and to e: radius and light of the ball."""
+"""What the choices of a fit do to places: radius and light of the ball."""
 
 from __future__ import annotations
 
@@ -16,12 +16,13 @@ from analysis.balls.seen.windows import Motion, Window
 
 RADIUS_STEP = 0.003
 """Of the radius: places follow it in proportion so far."""
+NEIGHBOURS = 3
+"""Frames before and after one with which its shift is taken together."""
+LEAST_SQUARE = 1e-12
 MOST_BY_RADIUS = 2.0
 """Of the radius's change: a place whose rim is seen on one side alone moves by about 1 of it."""
 MOST_BY_LIGHT = 0.03
 """Of the radius: a smooth shading that is further off than that has lost the rim."""
-APPROACH, LEAVE = 1, 3
-"""Speeds of a contact, as `path.places` gives it, whose ratio is e."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,7 +63,24 @@ def leans_of(placer: Placer, seen: tuple[Sequence[Window], Motion, float], place
     wide = placer.place(*seen)
     placer.radius_px = radius
     moved = _moved(placed.frames, placed.places, wide) / RADIUS_STEP
-    return Leans(placed.frames, _at_most(moved, MOST_BY_RADIUS * radius))
+    return Leans(placed.frames, _smooth(_at_most(moved, MOST_BY_RADIUS * radius)))
+
+
+def _smooth(moved: Floats) -> Floats:
+    """Return means over neighbouring frames, less the share of them that is noise.
+
+    The noise of the pixels that moves a place moves its lean too: a fit that is free to take the
+    one with the other would take noise for a radius.
+    """
+    width = min(2 * NEIGHBOURS + 1, len(moved))
+    counts = np.convolve(np.ones(len(moved)), np.ones(width), "same")
+    smooth = np.empty_like(moved)
+    for axis, own in enumerate(moved.T):
+        noise = float((np.diff(own) ** 2).mean()) / (2 * width) if width > 1 else 0.0
+        mean = np.convolve(own, np.ones(width), "same") / counts
+        size = max(float((mean**2).mean()), LEAST_SQUARE)
+        smooth[:, axis] = max(0.0, 1.0 - noise / size) * mean
+    return smooth
 
 
 def shifts(looks: Looks, bare: Placed, flights: Flights) -> Floats:
@@ -103,21 +121,6 @@ def _moved(frames: NDArray[np.intp], places: Floats, other: Placed) -> Floats:
     moved = np.zeros_like(places)
     moved[own] = other.places[theirs] - places[own]
     return moved
-
-
-def systematic_e(flights: Flights, moved: Floats) -> Floats:
-    """Return by how much shifts of places change e of each bounce; shape (B,).
-
-    Parameters
-    ----------
-    moved
-        Of each observed place, px; shape (N, 2).
-    """
-    step = np.einsum("pna,na->p", flights.response, moved)
-    contacts = flights.contact_slopes @ step
-    before, after = flights.contacts[:, APPROACH], flights.contacts[:, LEAVE]
-    change = contacts[:, LEAVE] - after / before * contacts[:, APPROACH]
-    return np.asarray(np.abs(change / before))
 
 
 def whole_sigmas(flights: Flights, moved: Floats) -> Floats:

@@ -85,6 +85,7 @@ class _Problem:
         know(path.BIAS, 0.0, SMEAR_SIGMA * view.exposure_s)
         know(path.BARREL, 0.0, BARREL_SIGMA)
         know(path.ASLANT, *view.aslant())
+        know(path.OUTLINE, 0.0, known.outline_sigma() if observed.leans is not None else 0.0)
         receding = view.receding_sigma(start.before, start.after)
         know(path.DEPTH, 0.0, receding)
         for index in range(path.COMMON + 2, count, path.EACH):
@@ -235,7 +236,7 @@ def _settle(problem: _Problem, *, again: bool) -> Flights:
         loose = problem.free.copy()
         if round_ == 0:
             loose[[path.DRAG, path.ROW_TIME, path.PERSPECTIVE, path.STAY, path.TILT]] = False
-            loose[[path.BIAS, path.BARREL, path.SHORTENING, path.ASLANT]] = False
+            loose[[path.BIAS, path.BARREL, path.SHORTENING, path.ASLANT, path.OUTLINE]] = False
             loose[[path.DEPTH, *range(path.COMMON + 2, len(values), path.EACH)]] = False
         soft = round_ < ROUNDS - 1
         values = _solve(problem, values, (arcs, used, enlarge), loose, soft=soft)
@@ -322,8 +323,6 @@ def _described(problem: _Problem, values: Floats, chosen: _Chosen) -> Flights:
     unit = 1.0 / np.sqrt(np.maximum(np.diag(normal), LEAST_INFORMATION))
     inverse = np.linalg.pinv(normal * np.outer(unit, unit), hermitian=True)
     covariance[np.ix_(free, free)] = inverse * np.outer(unit, unit)
-    response = np.zeros((len(values), *residuals.shape))
-    response[:, used] = np.einsum("pq,naq->pna", covariance[:, free], design) / errors
     scaled = residuals[used] / observed.sigmas[used]
     freedom = max(1, 2 * int(used.sum()) - int(free.sum()))
     fall, fall_sigma = values[path.FALL], math.sqrt(covariance[path.FALL, path.FALL])
@@ -343,7 +342,6 @@ def _described(problem: _Problem, values: Floats, chosen: _Chosen) -> Flights:
         arcs=arcs,
         used=used,
         residuals=residuals,
-        response=response,
         sigma_scale=enlarge,
         chi2_per_dof=float((scaled**2).sum() / freedom),
         scale_px_per_m=natural[path.FALL] / gravity,

@@ -94,8 +94,6 @@ class Flights:
         to, and which places counted.
     residuals
         Place less model, px, shape (N, 2).
-    response
-        Change of the values for a change of each place, per px; shape (P, N, 2).
     sigma_scale
         By how much the scatter about the flights exceeds the stated errors, shape (N, 2).
     chi2_per_dof
@@ -118,7 +116,6 @@ class Flights:
     arcs: Ints
     used: NDArray[np.bool_]
     residuals: Floats
-    response: Floats
     sigma_scale: Floats
     chi2_per_dof: float
     scale_px_per_m: float

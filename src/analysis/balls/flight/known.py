@@ -181,7 +181,11 @@ class Known:
     radius_px: float
     radius_sigma_px: float = 0.0
 
+    def outline_sigma(self) -> float:
+        """Return the relative standard error of the radius."""
+        return self.radius_sigma_px / self.radius_px
+
     def scale(self) -> tuple[float, float]:
         """Return px/m by the ball's diameter, and its relative standard error."""
-        sigmas = DIAMETER_RIM_SIGMA, self.ball.diameter_sigma, self.radius_sigma_px / self.radius_px
+        sigmas = DIAMETER_RIM_SIGMA, self.ball.diameter_sigma, self.outline_sigma()
         return 2.0 * self.radius_px / self.ball.diameter_m, math.hypot(*sigmas)

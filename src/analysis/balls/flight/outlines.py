@@ -1,5 +1,7 @@
 """How large and how round a ball is seen on its way: it drifts, and a camera sees spheres aslant.
 
+Changes are those to the outline with which its places were fitted, whose radius has an error too.
+
 Away from the middle of the picture the outline of a sphere is an ellipse, longer towards the border
 by half of the squared tangent of the angle to the line of sight.
 """
@@ -23,4 +25,5 @@ def outlines(values: Floats, seen: Floats) -> Floats:
         Row, column, and distance in its value at the first contact, shape (N, 3).
     """
     tangents = (seen[:, :2] - values[path.PRINCIPAL]) / (2.0 * values[path.HALF])
-    return np.asarray(1.0 / seen[:, 2:] - 1.0 + 0.5 * values[path.ASLANT] * tangents**2)
+    aslant = 0.5 * values[path.ASLANT] * tangents**2
+    return np.asarray(1.0 / seen[:, 2:] - 1.0 + values[path.OUTLINE] + aslant)

@@ -16,7 +16,7 @@ from analysis.compiled import compiled, part
 
 TIME, SPEED, PLACE, ACROSS, FALL, DRAG, ROW_TIME, PERSPECTIVE, ROLL = range(9)
 PLATE, TILT, STAY, DEPTH, BIAS, BARREL, MIDDLE_ROW, MIDDLE_COLUMN, SHORTENING = range(9, 18)
-ASLANT, HALF = 18, 19
+ASLANT, HALF, OUTLINE = 18, 19, 20
 PRINCIPAL = [MIDDLE_ROW, MIDDLE_COLUMN]
 """First contact's time, approach speed, column from the middle and speed across before it; fall,
 px/s^2; drag, 1/px; time a row or column, s; perspective, 1/px; the vertical's angle in the picture;
@@ -25,8 +25,9 @@ before it, in distances of the camera a second; shift of a smeared ball's centre
 its speed, s; barrel distortion at half the picture's larger side; the principal point, about which
 it acts as perspective does; power of the approach speed by which contacts last shorter: 1/5 by
 H. Hertz (1881), 0 by a linear spring; squared larger side of the picture over the focal length,
-which `outlines` takes; half of that side."""
-COMMON = 20
+which `outlines` takes; half of that side; how much larger the ball is than the radius with which
+its places were fitted, relative."""
+COMMON = 21
 EACH = 3
 """For each bounce: speeds away from the plate and across, what it gains away from the camera."""
 LARGEST_STEP_S = 0.02
