@@ -142,6 +142,11 @@ class Store:
             if record.outcome is not None:
                 self._settle(record)
 
+    def is_imported(self, campaign: str) -> bool:
+        """Say whether a campaign was imported: it takes no shots of this rig."""
+        first = self.shots(campaign=campaign, limit=1)
+        return bool(first) and first[0].imported_as is not None
+
     def shot(self, shot: str) -> ShotRecord:
         """Return one shot; raise `NotFoundError` if there is none of that name."""
         return self.catalogue.shot(shot)

@@ -14,6 +14,7 @@ from sqlalchemy import Connection, Row, func, insert, select, update
 from rigctl.errors import KeyReusedError, NotFoundError, StoreError
 from rigctl.settings import ShotSettings
 from rigctl.store.durable import replace_synced
+from rigctl.store.imports import require_own
 from rigctl.store.integrity.ledger import note
 from rigctl.store.sql.database import Database
 from rigctl.store.sql.schema import sweep_steps, sweeps
@@ -47,6 +48,8 @@ class Sweeps:
         ------
         KeyReusedError
             The key was used with another body.
+        RefusedError
+            The campaign was imported: none of its shots could be fired.
         StoreError
             The claim is not on disk.
         """
@@ -61,6 +64,7 @@ class Sweeps:
                     )
                 return _sweep(connection, known), True
             new = describe()
+            require_own(connection, new.campaign)
             number = (connection.execute(select(func.max(sweeps.c.number))).scalar_one() or 0) + 1
             connection.execute(insert(sweeps).values(_row(new, number, key, body_hash)))
             connection.execute(insert(sweep_steps), _steps(number, new.steps))

@@ -7,14 +7,17 @@ import os
 from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from rigctl.errors import AnalysisInputError, RefusedError, RigError, SettingsError, StoreError
 from rigctl.exchange.importing import Imported
+from rigctl.page.model.source import Source
 from rigctl.settings import ShotSettings
-from rigctl.store import NewShot, Store
+from rigctl.store import NewShot, NewSweep, Store
 from rigctl.store.imports import Imports
 
 Take = Callable[..., Imported]
@@ -204,6 +207,36 @@ def test_an_imported_campaign_takes_no_shots_of_this_rig(
     with pytest.raises(RefusedError, match="takes no shots of this rig"):
         store.accept("key", "body", describe)
     assert store.catalogue.of_key("key") is None
+
+
+def test_a_sweep_into_an_imported_campaign_is_refused_before_any_shot(
+    store: Store, folder: Path, take: Take
+) -> None:
+    take(folder)
+    settings = ShotSettings(pressure_a_kpa=40.0, pressure_b_kpa=40.0, offset_mm=6.0)
+    at = datetime(2026, 1, 31, tzinfo=UTC)
+
+    def into(campaign: str) -> NewSweep:
+        return NewSweep((settings,), "{}", "{}", campaign, "anna", at)
+
+    with pytest.raises(RefusedError, match="takes no shots of this rig; fire under another name"):
+        store.sweeps.accept("key", "body", lambda: into("nylon-2"))
+    assert store.sweeps.sweeps() == []
+    store.sweeps.accept("key", "body", lambda: into("nylon-3"))
+    assert [sweep.campaign for sweep in store.sweeps.sweeps()] == ["nylon-3"]
+
+
+def test_the_page_offers_no_sweep_into_an_imported_campaign(
+    store: Store, folder: Path, take: Take
+) -> None:
+    daemon: Any = SimpleNamespace(store=store)
+    command = "rigctl model next --out"
+    assert Source(daemon, "nylon-2").elsewhere(command) is None
+    take(folder)
+    for source in (Source(daemon, "nylon-2"), Source(daemon, "challenge", folder)):
+        said = source.elsewhere(command) or ""
+        assert said.startswith("for the rig that fired this campaign: rigctl model next --out")
+    assert "under another name" in (Source(daemon, "nylon-2").elsewhere(command) or "")
 
 
 def test_a_fault_of_the_disk_is_no_crash(store: Store, folder: Path, take: Take) -> None:

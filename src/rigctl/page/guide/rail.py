@@ -207,8 +207,9 @@ class Rail:
             _lead("Then: take a challenge", "/model", look="line tab")
 
     def _thirty(self) -> str:
-        limits = self._desk.daemon.configuration.limits
-        sweep = broad_sweep(self._now.campaign or CAMPAIGN, limits)
+        limits, name = self._desk.daemon.configuration.limits, self._now.campaign
+        own = bool(name) and not self._desk.daemon.store.is_imported(name)
+        sweep = broad_sweep(name if own else CAMPAIGN, limits)
         return SWEEPS if sweep is None else form_address(sweep)
 
     def _runs(self) -> bool:

@@ -129,11 +129,8 @@ class ProposedLaw:
         source = self._state.source
         if not shots:
             return
-        if source.folder is not None:
-            ui.label(
-                "Its next shots are for the rig that fired this campaign: rigctl model propose "
-                "--write writes them as a sweep file."
-            ).classes("note")
+        if (elsewhere := source.elsewhere("rigctl model propose --write")) is not None:
+            ui.label(f"Its next shots are {elsewhere}").classes("note")
             return
         note = f"confirms a law proposed after {source.title}"
         sweep = Sweep.model_validate({"note": note, "shots": shots, "campaign": source.title})

@@ -21,6 +21,7 @@ from rigctl.page.sweeps.form import form_address, shot_headings
 NONE = "none"
 NO_EFFECT = "No further effect"
 PROBABILITY = 0.9
+COMMAND = "rigctl model next --out"
 MORE_SHOTS = frozenset({Word.FEW, Word.UNSURE, Word.UNEXPLAINED})
 
 
@@ -80,7 +81,7 @@ class NextShots:
         """Offer shots all over the plane, unless another laboratory fired this campaign."""
         source = self._state.source
         sweep = broad_sweep(source.title, self._desk.daemon.configuration.limits)
-        if source.folder is None and sweep is not None:
+        if source.elsewhere(COMMAND) is None and sweep is not None:
             button(
                 f"Make a sweep of {sweep.count()} shots",
                 lambda: ui.navigate.to(form_address(sweep)),
@@ -133,11 +134,8 @@ class NextShots:
     def _into_sweep(self, answer: Json) -> None:
         """Offer the shots as a sweep, unless another laboratory fired this campaign."""
         source = self._state.source
-        if source.folder is not None:
-            ui.label(
-                "These shots are for the rig that fired this campaign: rigctl model next --out "
-                "writes them as a sweep file."
-            ).classes("note")
+        if (elsewhere := source.elsewhere(COMMAND)) is not None:
+            ui.label(f"These shots are {elsewhere}").classes("note").props("data-testid=elsewhere")
             return
         sweep = sweep_of(answer).model_copy(update={"campaign": source.title})
         with ui.element("div").classes("beside"):

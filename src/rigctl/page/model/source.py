@@ -52,6 +52,21 @@ class Source:
             return f"/model/{self.title}"
         return f"/model?folder={quote(str(self.folder))}"
 
+    def elsewhere(self, command: str) -> str | None:
+        """Say where further shots are for, where this rig adds none to these; None where it does.
+
+        Parameters
+        ----------
+        command
+            What writes the shots as a sweep file.
+        """
+        told = f"for the rig that fired this campaign: {command} writes them as a sweep file."
+        if self.folder is not None:
+            return told
+        if not self.daemon.store.is_imported(self.title):
+            return None
+        return f"{told} This rig adds none to an imported campaign; it fires under another name."
+
     def seen_as(self, effects: Sequence[str], view: str) -> str:
         """Return where the page of its model stands with these effects, in this view."""
         more = f"effects={quote(','.join(effects))}&view={view}"
