@@ -42,7 +42,9 @@ class VideoFilm(Film):
             if first is None:
                 raise InputError(path, "holds no frame that can be read")
             FrameBudget(path).claim(first.shape)
-            self._grey = bool(np.ptp(first.astype(np.int16), axis=2).max() <= GREY_TOLERANCE)
+            blue, green, red = cv2.split(first)
+            pairs = ((blue, green), (green, red), (red, blue))
+            self._grey = all(cv2.absdiff(*pair).max() <= GREY_TOLERANCE for pair in pairs)
             times = [float(video.get(cv2.CAP_PROP_POS_MSEC))]
             known = {0: self._plain(first)}
             every = stated * known[0].nbytes <= HELD_BYTES

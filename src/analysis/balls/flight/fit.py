@@ -13,174 +13,29 @@ from scipy.optimize import least_squares
 from analysis.arrays import Floats
 from analysis.balls.flight import path
 from analysis.balls.flight.flights import LEAST_PLACES, Flights, Ints, Observed, Start
-from analysis.balls.flight.known import (
-    BARREL_SIGMA,
-    LEVEL_SIGMA,
-    ROLL_SIGMA,
-    SHORTENING,
-    SHORTENING_SIGMA,
-    SMEAR_SIGMA,
-    STAY_S,
-    Known,
-)
-from analysis.balls.flight.outlines import outlines
+from analysis.balls.flight.known import LEVEL_SIGMA, Known
+from analysis.balls.flight.problem import Problem
 
 _Chosen = tuple[Ints, NDArray[np.bool_], Floats]
 """Which flight each place belongs to, whether it counts, and by how much its errors are larger."""
 
-LOGARITHMS = [path.FALL, path.DRAG, path.ASLANT]
 ROUNDS, AGAIN = 6, 3
 """Of fits with outliers taken out between them: from a first guess, and from a fit before."""
 LOOSE, CLOSE = 1e-4, 1e-8
 """Share of the sum of squares by which a step is the last: while the fit settles, and then."""
+STEP = 1e-5
+"""Of numbers in their units, by which derivatives are taken."""
 SOFT = 2.0
 """Residuals beyond so many standard errors count less while the fit settles."""
 OUTLIER = 4.5
-MARGIN = 0.03
-"""Of the time between frames: nothing is taken so near a contact, beside half the exposure."""
-GAIN_SHARE = 0.3
-"""Of a ball's drift along the line of sight: by how much a bounce changes it."""
-LAST_MARGIN = 0.5
-"""The same before the bounce that ends the last flight, whose time is not fitted."""
-NEAR_RADII = 1.5
-"""Heights over the plate at which a ball lies over its shadow."""
 LEVEL = np.array([path.TILT, path.ROLL])
 """Their sum is the plate's slope against the horizontal: a camera that is rolled turns both."""
-LOW_RADII = 0.5
-"""A flight that rises no higher ends a chain of higher ones: it lies over its own shadow."""
 LEAST_INFORMATION = 1e-20
 """Of a number that no place that counts depends on."""
 MOST_OPEN = 2.0
 """Standard error of a logarithm with which a film says nothing."""
 CONTRADICTION = 3.5
 """Standard errors between the scales of diameter and gravity beyond which one of them is wrong."""
-
-
-class _Problem:
-    """The fit's numbers, what they are about, and how places follow from them."""
-
-    def __init__(self, observed: Observed, start: Start, known: Known) -> None:
-        ball, view = known.ball, known.view
-        self.observed, self.view, self.ball = observed, view, ball
-        self.bounces = len(start.times_s)
-        self.scale, self.scale_sigma = known.scale()
-        drag, drag_spread = ball.drag_per_m()
-        row_time, row_sigma = view.row_time()
-        count = path.COMMON + path.EACH * self.bounces
-        self.prior, self.prior_sigma = np.zeros(count), np.full(count, np.inf)
-
-        def know(index: int, value: float, sigma: float) -> None:
-            self.prior[index], self.prior_sigma[index] = value, sigma
-
-        know(path.FALL, math.log(ball.gravity * self.scale), self.scale_sigma)
-        know(path.DRAG, math.log(drag / self.scale), drag_spread)
-        know(path.ROW_TIME, row_time, row_sigma)
-        know(path.PERSPECTIVE, 0.0, view.perspective_sigma())
-        know(path.ROLL, 0.0, ROLL_SIGMA)
-        know(path.STAY, 0.0, STAY_S * ball.diameter_m / 0.02)
-        know(path.SHORTENING, SHORTENING, SHORTENING_SIGMA)
-        for index, middle in zip(path.PRINCIPAL, view.principal(), strict=True):
-            know(index, middle, 0.0)
-        know(path.HALF, 0.5 * (max(view.height, view.width) - 1), 0.0)
-        know(path.BIAS, 0.0, SMEAR_SIGMA * view.exposure_s)
-        know(path.BARREL, 0.0, BARREL_SIGMA)
-        know(path.ASLANT, *view.aslant())
-        know(path.OUTLINE, 0.0, known.outline_sigma() if observed.leans is not None else 0.0)
-        receding = view.receding_sigma(start.before, start.after)
-        know(path.DEPTH, 0.0, receding)
-        for index in range(path.COMMON + 2, count, path.EACH):
-            know(index, 0.0, GAIN_SHARE * receding)
-        self.begin = self._begin(start)
-        self.plate_row, self.radius_px = float(self.begin[path.PLATE]), known.radius_px
-        self.units = self._units()
-        self.free = self.prior_sigma > 0
-        self.exposure = view.exposure_s
-
-    def _begin(self, start: Start) -> Floats:
-        values = np.where(np.isfinite(self.prior), self.prior, 0.0)
-        if start.fall is not None:
-            values[path.FALL] = math.log(start.fall)
-        values[path.TIME] = start.times_s[0]
-        values[path.SPEED] = max(1e-3, start.before[0, 0])
-        values[path.PLACE] = start.places[0, 1] - self.prior[path.MIDDLE_COLUMN]
-        values[path.ACROSS] = start.before[0, 1]
-        values[path.PLATE] = float(np.median(start.places[:, 0]))
-        for k in range(self.bounces):
-            own = path.COMMON + path.EACH * k
-            values[own : own + 2] = max(1e-3, -start.after[k, 0]), start.after[k, 1]
-        return values
-
-    def _units(self) -> Floats:
-        speed = max(1.0, float(self.begin[path.SPEED]))
-        units = np.where(np.isfinite(self.prior_sigma), self.prior_sigma, 1.0)
-        units[path.TIME] = 1.0 / speed
-        units[path.SPEED] = 0.01 * speed
-        units[path.ACROSS] = 0.01 * speed
-        units[path.PLACE] = units[path.PLATE] = 1.0
-        units[path.TILT] = LEVEL_SIGMA
-        units[path.COMMON :: path.EACH] = units[path.COMMON + 1 :: path.EACH] = 0.01 * speed
-        return np.where(units > 0, units, 1.0)
-
-    def natural(self, values: Floats) -> Floats:
-        """Return the numbers that `path` takes: some of the fit's are logarithms."""
-        own = values.copy()
-        own[LOGARITHMS] = np.exp(values[LOGARITHMS])
-        return own
-
-    def logarithmic(self, natural: Floats) -> Floats:
-        """Return the fit's numbers from those that `path` takes."""
-        values = natural.copy()
-        values[LOGARITHMS] = np.log(natural[LOGARITHMS])
-        return values
-
-    def near(self, found: Floats) -> NDArray[np.bool_]:
-        """Return which places lie within a few radii of the plate."""
-        return np.asarray(np.abs(found[:, 0] - self.plate_row) < NEAR_RADII * self.radius_px)
-
-    def high(self, flights: Flights) -> NDArray[np.bool_]:
-        """Return which places belong to flights that leave the shadow at the plate."""
-        heights = self.plate_row - flights.observed.places[:, 0]
-        arcs = flights.arcs
-        tops = [heights[arcs == k].max(initial=0.0) for k in range(flights.bounces + 1)]
-        return np.asarray(np.array(tops)[arcs] > LOW_RADII * self.radius_px)
-
-    def times(self, values: Floats) -> Floats:
-        """Return when the ball's row was read in each frame."""
-        line = self.observed.places[:, 1 if self.view.readout == "columns" else 0]
-        return np.asarray(self.observed.times_s + values[path.ROW_TIME] * line)
-
-    def predict(self, values: Floats, arcs: Ints) -> tuple[Floats, Floats]:
-        """Return places and contacts."""
-        found, contacts = np.zeros((len(arcs), 3)), np.zeros((self.bounces, 6))
-        own = self.natural(values)
-        path.places(own, self.times(values), arcs, found, contacts)
-        found[:, :2] += self.moved(own, found)
-        return found, contacts
-
-    def moved(self, own: Floats, found: Floats) -> Floats:
-        """Return by how much places come out too far off for their outlines, px, shape (N, 2)."""
-        leans = self.observed.leans
-        return np.zeros((len(found), 2)) if leans is None else -leans * outlines(own, found)
-
-    def assign(self, values: Floats) -> tuple[Ints, NDArray[np.bool_]]:
-        """Return which flight each place belongs to, and which lie clear of all contacts."""
-        times = self.times(values)
-        arcs = np.zeros(len(times), dtype=np.intp)
-        _, contacts = self.predict(values, arcs)
-        begins = contacts[:, 0]
-        arcs = np.searchsorted(begins, times).astype(np.intp)
-        near = 0.5 * self.exposure + MARGIN * self.view.period_s
-        clear = np.ones(len(times), dtype=bool)
-        stay = max(0.0, float(values[path.STAY]))
-        for begin in begins:
-            clear &= (times < begin - near) | (times > begin + stay + near)
-        # The last flight goes on to a bounce that is not fitted: nothing after it counts.
-        last = np.flatnonzero(arcs == self.bounces)
-        if len(last):
-            lasts = 2.0 * contacts[-1, 3] / math.exp(values[path.FALL])
-            again = begins[-1] + stay + lasts
-            clear &= times < again - near - LAST_MARGIN * self.view.period_s
-        return arcs, clear
 
 
 def fit_flights(
@@ -206,7 +61,7 @@ def fit_flights(
     The flights; None where no bounce has enough frames on both sides.
     """
     while len(start.times_s):
-        problem = _Problem(observed, start, known)
+        problem = Problem(observed, start, known)
         again = before is not None and before.bounces == problem.bounces
         if before is not None and again:
             problem.begin = problem.logarithmic(before.values)
@@ -223,7 +78,7 @@ def fit_flights(
     return None
 
 
-def _settle(problem: _Problem, *, again: bool) -> Flights:
+def _settle(problem: Problem, *, again: bool) -> Flights:
     values = problem.begin.copy()
     observed = problem.observed
     enlarge = np.ones((len(observed.frames), 2))
@@ -249,25 +104,37 @@ def _settle(problem: _Problem, *, again: bool) -> Flights:
 
 
 def _solve(
-    problem: _Problem, values: Floats, chosen: _Chosen, loose: NDArray[np.bool_], *, soft: bool
+    problem: Problem, values: Floats, chosen: _Chosen, loose: NDArray[np.bool_], *, soft: bool
 ) -> Floats:
     arcs, used, enlarge = chosen
     units = problem.units[loose]
     known = np.isfinite(problem.prior_sigma) & loose
+    errors = (problem.observed.sigmas * enlarge)[used]
+    straight = _straight_slopes(problem, known, loose)
 
-    def residuals(step: Floats) -> Floats:
+    def at(step: Floats) -> Floats:
         moved = values.copy()
         moved[loose] += step * units
-        found, _ = problem.predict(moved, arcs)
-        errors = problem.observed.sigmas * enlarge
-        off = (problem.observed.places - found[:, :2]) / errors
+        return moved
+
+    def seen(moved: Floats) -> Floats:
+        return np.asarray((problem.predict(moved, arcs)[0][used, :2] / errors).ravel())
+
+    own = (problem.observed.places[used] / errors).ravel()
+
+    def residuals(step: Floats) -> Floats:
+        moved = at(step)
         prior = (moved[known] - problem.prior[known]) / problem.prior_sigma[known]
         level = moved[LEVEL].sum(keepdims=True) / LEVEL_SIGMA if loose[LEVEL].all() else prior[:0]
-        every = np.concatenate([off[used].ravel(), prior, level])
+        every = np.concatenate([own - seen(moved), prior, level])
         return np.asarray(np.nan_to_num(every, nan=1e6, posinf=1e6, neginf=-1e6))
 
+    def slopes(step: Floats) -> Floats:
+        here = seen(at(step))
+        moved = [seen(at(step + STEP * one)) for one in np.eye(len(units))]
+        return np.vstack([np.nan_to_num((here - np.array(moved)) / STEP).T, straight])
+
     loss: Literal["soft_l1", "linear"] = "soft_l1" if soft else "linear"
-    slopes: Literal["2-point", "3-point"] = "2-point" if soft else "3-point"
     solved = least_squares(
         residuals,
         np.zeros(len(units)),
@@ -277,9 +144,18 @@ def _solve(
         max_nfev=60,
         ftol=LOOSE if soft else CLOSE,
     )
-    best = values.copy()
-    best[loose] += solved.x * units
-    return best
+    return at(solved.x)
+
+
+def _straight_slopes(
+    problem: Problem, known: NDArray[np.bool_], loose: NDArray[np.bool_]
+) -> Floats:
+    """Return derivatives of what is known beforehand to the numbers that are fitted, in units."""
+    each = np.zeros((int(known.sum()), len(loose)))
+    each[:, known] = np.diag(problem.units[known] / problem.prior_sigma[known])
+    level = np.zeros((1, len(loose)))
+    level[0, LEVEL] = problem.units[LEVEL] / LEVEL_SIGMA
+    return np.vstack([each, level] if loose[LEVEL].all() else [each])[:, loose]
 
 
 def _spreads(scaled: Floats, used: NDArray[np.bool_], near: NDArray[np.bool_]) -> Floats:
@@ -304,7 +180,7 @@ def _spread(scaled: Floats) -> Floats:
     return np.asarray(1.4826 * np.median(np.abs(scaled), axis=0))
 
 
-def _described(problem: _Problem, values: Floats, chosen: _Chosen) -> Flights:
+def _described(problem: Problem, values: Floats, chosen: _Chosen) -> Flights:
     arcs, used, enlarge = chosen
     observed, free = problem.observed, problem.free
     found, contacts = problem.predict(values, arcs)
@@ -352,7 +228,7 @@ def _described(problem: _Problem, values: Floats, chosen: _Chosen) -> Flights:
     )
 
 
-def _slopes(problem: _Problem, values: Floats, arcs: Ints) -> tuple[Floats, Floats]:
+def _slopes(problem: Problem, values: Floats, arcs: Ints) -> tuple[Floats, Floats]:
     """Return derivatives of places and contacts to the fit's numbers, by central differences."""
     count = len(values)
     place_slopes = np.zeros((len(arcs), 2, count))

@@ -41,13 +41,10 @@ on its way may have no fall, or a ball that leaves the plate downward."""
 
 
 @part
-def _acceleration(
-    state: NDArray[np.float64], forces: NDArray[np.float64], out: NDArray[np.float64]
-) -> None:
-    speed = math.sqrt(state[2] ** 2 + state[3] ** 2)
-    out[0], out[1] = state[2], state[3]
-    out[2] = forces[0] - forces[2] * speed * state[2]
-    out[3] = forces[1] - forces[2] * speed * state[3]
+def _acceleration(down: float, across: float, forces: NDArray[np.float64]) -> tuple[float, float]:
+    """Return the accelerations down and across at these speeds."""
+    braking = forces[2] * math.sqrt(down * down + across * across)
+    return forces[0] - braking * down, forces[1] - braking * across
 
 
 @part
@@ -58,13 +55,20 @@ def _fly(state: NDArray[np.float64], time: float, forces: NDArray[np.float64]) -
     """
     steps = 1 + int(abs(time) / LARGEST_STEP_S)
     h = time / steps
-    a, b, c, d = np.empty(4), np.empty(4), np.empty(4), np.empty(4)
+    down, across = state[2], state[3]
     for _ in range(steps):
-        _acceleration(state, forces, a)
-        _acceleration(state + 0.5 * h * a, forces, b)
-        _acceleration(state + 0.5 * h * b, forces, c)
-        _acceleration(state + h * c, forces, d)
-        state += (h / 6.0) * (a + 2.0 * b + 2.0 * c + d)
+        a, b = _acceleration(down, across, forces)
+        down_2, across_2 = down + 0.5 * h * a, across + 0.5 * h * b
+        a_2, b_2 = _acceleration(down_2, across_2, forces)
+        down_3, across_3 = down + 0.5 * h * a_2, across + 0.5 * h * b_2
+        a_3, b_3 = _acceleration(down_3, across_3, forces)
+        down_4, across_4 = down + h * a_3, across + h * b_3
+        a_4, b_4 = _acceleration(down_4, across_4, forces)
+        state[0] += (h / 6.0) * (down + 2.0 * (down_2 + down_3) + down_4)
+        state[1] += (h / 6.0) * (across + 2.0 * (across_2 + across_3) + across_4)
+        down += (h / 6.0) * (a + 2.0 * (a_2 + a_3) + a_4)
+        across += (h / 6.0) * (b + 2.0 * (b_2 + b_3) + b_4)
+    state[2], state[3] = down, across
 
 
 @part

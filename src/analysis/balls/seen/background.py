@@ -53,26 +53,48 @@ def _seen_medians(values: Singles, hidden: NDArray[np.bool_]) -> Singles:
 
 def _medians(values: Picture) -> Picture:
     """Return the upper median of each column."""
+    middle = len(values) // 2
     found = np.empty(values.shape[1], values.dtype)
-    for start, lines in _sorted(values):
-        found[start : start + lines.shape[1]] = lines[len(values) // 2]
+    for start, lines in _sorted(values, middle):
+        found[start : start + lines.shape[1]] = lines[middle]
     return found
 
 
-def _sorted(values: NDArray[Any]) -> Iterator[tuple[int, NDArray[Any]]]:
+def _sorted(values: NDArray[Any], line: int | None = None) -> Iterator[tuple[int, NDArray[Any]]]:
     """Give each block of columns, sorted, and its first column.
 
     Each comparison is one of whole lines: a processor does many of them at once.
+
+    Parameters
+    ----------
+    line
+        The one that is wanted: the others may then be out of order.
     """
     count, width = values.shape
-    network = _network(count)
+    network = _needed(_network(count), set(range(count)) if line is None else {line})
     for start in range(0, width, BLOCK):
         lines = values[:, start : start + BLOCK].copy()
-        for a, b in network:
-            least = np.minimum(lines[a], lines[b])
-            np.maximum(lines[a], lines[b], out=lines[b])
-            lines[a] = least
+        for a, b, low, high in network:
+            if low and high:
+                least = np.minimum(lines[a], lines[b])
+                np.maximum(lines[a], lines[b], out=lines[b])
+                lines[a] = least
+            elif low:
+                np.minimum(lines[a], lines[b], out=lines[a])
+            else:
+                np.maximum(lines[a], lines[b], out=lines[b])
         yield start, lines
+
+
+def _needed(network: list[tuple[int, int]], wanted: set[int]) -> list[tuple[int, int, bool, bool]]:
+    """Return the pairs on which wanted lines depend, and whether on their least and their most."""
+    kept = []
+    for a, b in reversed(network):
+        low, high = a in wanted, b in wanted
+        if low or high:
+            kept.append((a, b, low, high))
+            wanted = wanted | {a, b}
+    return kept[::-1]
 
 
 def _network(count: int) -> list[tuple[int, int]]:

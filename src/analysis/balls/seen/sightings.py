@@ -44,7 +44,7 @@ class Sight:
 
     def __init__(self, looks: Looks, ground: Picture) -> None:
         self._factor = max(1.0, looks.radius_px / SOUGHT_RADIUS_PX)
-        self._weights = looks.weights.astype(np.float32)
+        self._weights = looks.weights.astype(np.float32)[None]
         # Where many pixels make one, every second row and column tells as well.
         self._stride = max(1, int(self._factor / LEAST_SHRUNK))
         # Whole numbers of pixels are put together many times as fast as parts of them.
@@ -63,7 +63,7 @@ class Sight:
             nearest = cv2.resize(own, sparse, interpolation=cv2.INTER_NEAREST)
             size = (columns, rows)
             small = np.atleast_3d(cv2.resize(nearest, size, interpolation=cv2.INTER_AREA))
-        return np.asarray(small.astype(np.float32) @ self._weights, dtype=np.float32)
+        return np.asarray(cv2.transform(small.astype(np.float32), self._weights), dtype=np.float32)
 
     def find(self, picture: Picture, brighter: float = 1.0) -> Sightings:
         """Return where something of the ball's size and colour differs from the ground.

@@ -184,7 +184,9 @@ def _window(
     factor: int,
 ) -> Window:
     most = SATURATED * np.iinfo(cut.dtype).max
-    weight = (cut.max(axis=2) < most).astype(np.float64)
+    # Plane by plane: a processor takes many pixels at once.
+    full = np.logical_or.reduce([plane >= most for plane in np.moveaxis(cut, 2, 0)])
+    weight = (~full).astype(np.float64)
     layers = np.stack([*light_and_ground, weight, np.zeros(weight.shape)]).astype(np.float64)
     if factor > 1 and min(weight.shape) >= factor:
         layers = _binned(layers, factor)

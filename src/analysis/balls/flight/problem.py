@@ -1,0 +1,162 @@
+"""The numbers of a fit of flights, what is known of them, and how places follow from them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.arrays import Floats
+from analysis.balls.flight import path
+from analysis.balls.flight.flights import Flights, Ints, Observed, Start
+from analysis.balls.flight.known import (
+    BARREL_SIGMA,
+    LEVEL_SIGMA,
+    ROLL_SIGMA,
+    SHORTENING,
+    SHORTENING_SIGMA,
+    SMEAR_SIGMA,
+    STAY_S,
+    Known,
+)
+from analysis.balls.flight.outlines import outlines
+
+LOGARITHMS = [path.FALL, path.DRAG, path.ASLANT]
+MARGIN = 0.03
+"""Of the time between frames: nothing is taken so near a contact, beside half the exposure."""
+LAST_MARGIN = 0.5
+"""The same before the bounce that ends the last flight, whose time is not fitted."""
+GAIN_SHARE = 0.3
+"""Of a ball's drift along the line of sight: by how much a bounce changes it."""
+NEAR_RADII = 1.5
+"""Heights over the plate at which a ball lies over its shadow."""
+LOW_RADII = 0.5
+"""A flight that rises no higher ends a chain of higher ones: it lies over its own shadow."""
+
+
+class Problem:
+    """The fit's numbers, what they are about, and how places follow from them."""
+
+    def __init__(self, observed: Observed, start: Start, known: Known) -> None:
+        ball, view = known.ball, known.view
+        self.observed, self.view, self.ball = observed, view, ball
+        self.bounces = len(start.times_s)
+        self.scale, self.scale_sigma = known.scale()
+        drag, drag_spread = ball.drag_per_m()
+        row_time, row_sigma = view.row_time()
+        count = path.COMMON + path.EACH * self.bounces
+        self.prior, self.prior_sigma = np.zeros(count), np.full(count, np.inf)
+
+        def know(index: int, value: float, sigma: float) -> None:
+            self.prior[index], self.prior_sigma[index] = value, sigma
+
+        know(path.FALL, math.log(ball.gravity * self.scale), self.scale_sigma)
+        know(path.DRAG, math.log(drag / self.scale), drag_spread)
+        know(path.ROW_TIME, row_time, row_sigma)
+        know(path.PERSPECTIVE, 0.0, view.perspective_sigma())
+        know(path.ROLL, 0.0, ROLL_SIGMA)
+        know(path.STAY, 0.0, STAY_S * ball.diameter_m / 0.02)
+        know(path.SHORTENING, SHORTENING, SHORTENING_SIGMA)
+        for index, middle in zip(path.PRINCIPAL, view.principal(), strict=True):
+            know(index, middle, 0.0)
+        know(path.HALF, 0.5 * (max(view.height, view.width) - 1), 0.0)
+        know(path.BIAS, 0.0, SMEAR_SIGMA * view.exposure_s)
+        know(path.BARREL, 0.0, BARREL_SIGMA)
+        know(path.ASLANT, *view.aslant())
+        know(path.OUTLINE, 0.0, known.outline_sigma() if observed.leans is not None else 0.0)
+        receding = view.receding_sigma(start.before, start.after)
+        know(path.DEPTH, 0.0, receding)
+        for index in range(path.COMMON + 2, count, path.EACH):
+            know(index, 0.0, GAIN_SHARE * receding)
+        self.begin = self._begin(start)
+        self.plate_row, self.radius_px = float(self.begin[path.PLATE]), known.radius_px
+        self.units = self._units()
+        self.free = self.prior_sigma > 0
+        self.exposure = view.exposure_s
+
+    def _begin(self, start: Start) -> Floats:
+        values = np.where(np.isfinite(self.prior), self.prior, 0.0)
+        if start.fall is not None:
+            values[path.FALL] = math.log(start.fall)
+        values[path.TIME] = start.times_s[0]
+        values[path.SPEED] = max(1e-3, start.before[0, 0])
+        values[path.PLACE] = start.places[0, 1] - self.prior[path.MIDDLE_COLUMN]
+        values[path.ACROSS] = start.before[0, 1]
+        values[path.PLATE] = float(np.median(start.places[:, 0]))
+        for k in range(self.bounces):
+            own = path.COMMON + path.EACH * k
+            values[own : own + 2] = max(1e-3, -start.after[k, 0]), start.after[k, 1]
+        return values
+
+    def _units(self) -> Floats:
+        speed = max(1.0, float(self.begin[path.SPEED]))
+        units = np.where(np.isfinite(self.prior_sigma), self.prior_sigma, 1.0)
+        units[path.TIME] = 1.0 / speed
+        units[path.SPEED] = 0.01 * speed
+        units[path.ACROSS] = 0.01 * speed
+        units[path.PLACE] = units[path.PLATE] = 1.0
+        units[path.TILT] = LEVEL_SIGMA
+        units[path.COMMON :: path.EACH] = units[path.COMMON + 1 :: path.EACH] = 0.01 * speed
+        return np.where(units > 0, units, 1.0)
+
+    def natural(self, values: Floats) -> Floats:
+        """Return the numbers that `path` takes: some of the fit's are logarithms."""
+        own = values.copy()
+        own[LOGARITHMS] = np.exp(values[LOGARITHMS])
+        return own
+
+    def logarithmic(self, natural: Floats) -> Floats:
+        """Return the fit's numbers from those that `path` takes."""
+        values = natural.copy()
+        values[LOGARITHMS] = np.log(natural[LOGARITHMS])
+        return values
+
+    def near(self, found: Floats) -> NDArray[np.bool_]:
+        """Return which places lie within a few radii of the plate."""
+        return np.asarray(np.abs(found[:, 0] - self.plate_row) < NEAR_RADII * self.radius_px)
+
+    def high(self, flights: Flights) -> NDArray[np.bool_]:
+        """Return which places belong to flights that leave the shadow at the plate."""
+        heights = self.plate_row - flights.observed.places[:, 0]
+        arcs = flights.arcs
+        tops = [heights[arcs == k].max(initial=0.0) for k in range(flights.bounces + 1)]
+        return np.asarray(np.array(tops)[arcs] > LOW_RADII * self.radius_px)
+
+    def times(self, values: Floats) -> Floats:
+        """Return when the ball's row was read in each frame."""
+        line = self.observed.places[:, 1 if self.view.readout == "columns" else 0]
+        return np.asarray(self.observed.times_s + values[path.ROW_TIME] * line)
+
+    def predict(self, values: Floats, arcs: Ints) -> tuple[Floats, Floats]:
+        """Return places and contacts."""
+        found, contacts = np.zeros((len(arcs), 3)), np.zeros((self.bounces, 6))
+        own = self.natural(values)
+        path.places(own, self.times(values), arcs, found, contacts)
+        found[:, :2] += self.moved(own, found)
+        return found, contacts
+
+    def moved(self, own: Floats, found: Floats) -> Floats:
+        """Return by how much places come out too far off for their outlines, px, shape (N, 2)."""
+        leans = self.observed.leans
+        return np.zeros((len(found), 2)) if leans is None else -leans * outlines(own, found)
+
+    def assign(self, values: Floats) -> tuple[Ints, NDArray[np.bool_]]:
+        """Return which flight each place belongs to, and which lie clear of all contacts."""
+        times = self.times(values)
+        arcs = np.zeros(len(times), dtype=np.intp)
+        _, contacts = self.predict(values, arcs)
+        begins = contacts[:, 0]
+        arcs = np.searchsorted(begins, times).astype(np.intp)
+        near = 0.5 * self.exposure + MARGIN * self.view.period_s
+        clear = np.ones(len(times), dtype=bool)
+        stay = max(0.0, float(values[path.STAY]))
+        for begin in begins:
+            clear &= (times < begin - near) | (times > begin + stay + near)
+        # The last flight goes on to a bounce that is not fitted: nothing after it counts.
+        last = np.flatnonzero(arcs == self.bounces)
+        if len(last):
+            lasts = 2.0 * contacts[-1, 3] / math.exp(values[path.FALL])
+            again = begins[-1] + stay + lasts
+            clear &= times < again - near - LAST_MARGIN * self.view.period_s
+        return arcs, clear
