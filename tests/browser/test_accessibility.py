@@ -8,9 +8,8 @@ from urllib.parse import quote
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Page
 
-from tests.browser.conftest import Served
+from tests.browser.conftest import FIRST_USE_MS, Served
 from tests.browser.test_model_page import LONG_MS, known_challenge
-from tests.browser.test_rig_page import FIRST_USE_MS
 
 LOOKS = ((320, "dark"), (820, "light"), (1280, "dark"), (1920, "light"))
 PLACES = (

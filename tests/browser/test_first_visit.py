@@ -9,8 +9,7 @@ from urllib.parse import urlsplit
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import Served
-from tests.browser.test_rig_page import FIRST_USE_MS
+from tests.browser.conftest import FIRST_USE_MS, Served
 
 
 @pytest.fixture(scope="module")

@@ -13,9 +13,8 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import Served
+from tests.browser.conftest import FIRST_USE_MS, Served
 from tests.browser.test_accessibility import faults
-from tests.browser.test_rig_page import FIRST_USE_MS
 
 BOUNCE = 0.8
 RATE_HZ, FALL_PX, TOP, PLATE, RADIUS = 100.0, 4000.0, 40.0, 320.0, 18

@@ -9,10 +9,7 @@ import httpx
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import KEY, Served
-
-FIRST_USE_MS = 200_000
-"""Functions are compiled in the first analysis on a machine, other tests beside it."""
+from tests.browser.conftest import FIRST_USE_MS, KEY, Served
 
 
 @pytest.fixture(scope="module", autouse=True)
