@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
+
+import numpy as np
 
 from simulators.bench import APPARATUS, BenchScene
 from simulators.ektapro.processor import RUN_UP_S
@@ -72,6 +74,8 @@ class Options:
     world: WorldDescription = field(default_factory=WorldDescription)
 
 
+OF_DIAMETERS = 41
+"""Stream of random numbers for the true diameters of the spheres."""
 WORLD_TABLES = ("scene", "contact", "tube", "magnet", "air")
 """Tables that describe the world; `scene` is what the rig's own configuration says of it."""
 DRAWN = "drawn"
@@ -122,5 +126,6 @@ def read_options(table: Mapping[str, object]) -> Options:
     if scene.get("apparatus") in APPARATUS:
         return Options(**plain, bench=BenchScene.of(scene))  # type: ignore[arg-type]
     holds = scene.get("energised", "hold") == "hold"
-    world = described(scene, **tables)
-    return Options(**plain, holds_energised=holds, world=world)  # type: ignore[arg-type]  # each value was checked above
+    options = Options(**plain, holds_energised=holds)  # type: ignore[arg-type]  # each value was checked above
+    rng = np.random.default_rng([options.seed, OF_DIAMETERS])
+    return replace(options, world=described(scene, **tables, rng=rng))

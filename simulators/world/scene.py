@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any, TypeVar
 
+import numpy as np
+
 from simulators.world.description import (
     ContactLaw,
     Environment,
@@ -76,6 +78,7 @@ def described(
     tube: Table | None = None,
     magnet: Table | None = None,
     air: Table | None = None,
+    rng: np.random.Generator | None = None,
 ) -> WorldDescription:
     """Return the world of a scene, with what only the world knows of contact, tubes and air.
 
@@ -89,6 +92,9 @@ def described(
     contact, tube, magnet, air
         Fields of `ContactLaw`, of `Tube` (`TiltedTubes` on the release apparatus), of `Magnet` (on
         the drop apparatus), and `drag_coefficient`, where they differ from nylon's.
+    rng
+        Of the true diameters, where their standard errors are stated: both are measured with one
+        tool, and off by as many errors. None: they are as stated.
 
     Raises
     ------
@@ -98,7 +104,9 @@ def described(
     """
     nylon = WorldDescription()
     apparatus = scene.get("apparatus", "pusher")
-    a, b = _bodies(apparatus, scene.get("spheres", ({}, {})))
+    off = 0.0 if rng is None else float(rng.normal())
+    bodies = [_as_it_is(body, off) for body in scene.get("spheres", ({}, {}))]
+    a, b = _bodies(apparatus, bodies)
     surroundings = scene.get("environment", {})
     environment = replace(
         nylon.environment,
@@ -145,6 +153,13 @@ def _bodies(apparatus: str, bodies: Sequence[Table]) -> tuple[Sphere, Sphere]:
         # Nothing measures how a dropped sphere turns: it is plain.
         return replace(_sphere(a), markers=0), Sphere()
     return _sphere(a), _sphere(b)
+
+
+def _as_it_is(body: Table, off: float) -> Table:
+    """Return a body with its true diameter, so many stated errors off what is stated."""
+    if not body.get("diameter_sigma_m"):
+        return body
+    return {**body, "diameter_m": body["diameter_m"] + off * body["diameter_sigma_m"]}
 
 
 def _sphere(body: Table) -> Sphere:

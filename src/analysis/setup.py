@@ -35,6 +35,8 @@ Rows = tuple[int, int]
 Pixel = tuple[float, float]
 """(row, column); an integer is the centre of a pixel."""
 Scale = Annotated[float, Field(gt=0, le=1e9)]
+UNSTATED_DIAMETER = 1e-3
+"""Relative standard error of a diameter where none is stated: a calliper's, of an inch."""
 LEAST_NORMAL = 1e-3
 """Length of a plate's normal below which it has no direction."""
 
@@ -102,6 +104,9 @@ class SphereSetup:
     ----------
     normal
         Of a plate, from the sphere into it, rig axes, of any length; None: not stated.
+    diameter_sigma_m
+        Standard error of the diameter, which is what lengths are measured by where no scale is
+        stated; None: not stated (`UNSTATED_DIAMETER`).
     """
 
     name: Literal["a", "b"]
@@ -110,6 +115,7 @@ class SphereSetup:
     inertia_factor: Annotated[float, Field(gt=0, le=HOLLOW_SHELL)] = 0.4
     plate: bool = False
     normal: tuple[float, float, float] | None = None
+    diameter_sigma_m: Annotated[float, Field(ge=0, le=0.1)] | None = None
 
     @field_validator("normal")
     @classmethod
@@ -137,6 +143,15 @@ class SphereSetup:
             stated = {} if self.normal is None else {"normal": fields["normal"]}
             return {"name": self.name, "plate": True, **stated}
         return {name: value for name, value in fields.items() if name not in {"plate", "normal"}}
+
+    @property
+    def diameter_sigma(self) -> float:
+        """Relative standard error of the diameter; 0 for a plate."""
+        if self.plate:
+            return 0.0
+        if self.diameter_sigma_m is None:
+            return UNSTATED_DIAMETER
+        return self.diameter_sigma_m / self.diameter_m
 
 
 DRAG_SIGMA = 0.2
@@ -278,6 +293,17 @@ class Setup:
                     f"sphere {sphere.name} has {own:g} kg/m^3 and its material {density:g}"
                 )
         return self
+
+    @property
+    def length_sigma(self) -> float:
+        """Relative standard error of what lengths are measured by: the diameters, or nothing.
+
+        Both are measured with one tool, and err together. A stated scale is taken as it is.
+        """
+        if self.camera.scale_px_per_m is not None:
+            return 0.0
+        moving = [sphere.diameter_sigma for sphere in self.spheres if not sphere.plate]
+        return sum(moving) / len(moving)
 
 
 SAME_DENSITY = 0.05

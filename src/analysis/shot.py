@@ -198,9 +198,8 @@ def analyse_shot(
             known = None
         else:
             tracking, known = _rendered(frames, elapsed_s, setup, known, extend=extend)
-        slow = slow_errors(
-            tracking, one_body_frame=known is not None and not tracking.learned_alone
-        )
+        one_body_frame = known is not None and not tracking.learned_alone
+        slow = slow_errors(tracking, setup, one_body_frame=one_body_frame)
         poses = ShotPoses.of_tracks(tracking.centres, tracking.orientations, elapsed_s)
         scene = Scene.of(setup, slow, float(np.median(np.diff(elapsed_s))))
         sides = measure_two_sides(poses, scene, three_and_three=chosen.three_and_three)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -16,12 +17,13 @@ NARROWEST_RAD = 0.05
 """Of markers, where none is seen or they are points."""
 
 
-def slow_errors(tracking: Tracking, *, one_body_frame: bool) -> SlowErrors:
+def slow_errors(tracking: Tracking, setup: Setup, *, one_body_frame: bool) -> SlowErrors:
     """Return the slow errors of a tracked shot.
 
     The photometric method learns one pattern for a campaign, so that all shots have one body frame;
     the thesis's begins anew each time. The scale is off alike in all shots by either: one is
-    learned, or the same light shifts all outlines alike. A shot whose spheres did not look as
+    learned, or the same light shifts all outlines alike; and lengths are as well known as the
+    diameters are. A shot whose spheres did not look as
     learned has body axes of its own.
     """
     width, scale = tracking.filter_sigma_px, tracking.scales_px_per_m[View.FRONT]
@@ -29,7 +31,7 @@ def slow_errors(tracking: Tracking, *, one_body_frame: bool) -> SlowErrors:
         position_m=centre_drift(width, scale, 1.0).sigma,
         rotation_rad=turn_drift(width, min(tracking.radii[View.FRONT]), 1.0).sigma,
         shared_m=tracking.shared_px / scale,
-        scale=tracking.scale_sigma,
+        scale=math.hypot(tracking.scale_sigma, setup.length_sigma),
         one_body_frame=one_body_frame,
         memory_rad=max(2 * tracking.marker_angle, NARROWEST_RAD),
     )

@@ -1,7 +1,9 @@
-"""What a campaign's poses are taken to say: which shots and frames, and with which noise.
+"""What is taken as the evidence of a campaign: which shots and frames, and with which noise.
 
-Stated sigmas are taken at their word unless the scatter about free flight contradicts them. Those
-of a table that states none are the scatter about the theory as it is.
+Stated sigmas are used as they are unless the scatter about free flight contradicts them. Slow
+errors are stated beside them, and what of these changes within a flight scatters too: sigmas are
+enlarged by the scatter as far as that explains it. Sigmas of a table that states none are the
+scatter about the theory as it is.
 """
 
 from __future__ import annotations
@@ -23,6 +25,8 @@ from analysis.model.predict.theory import Theory
 from analysis.model.verdict.crossvalidation import PredictionError, prediction_error
 
 CONTRADICTED_SIGMAS = 4.0
+LEAST_CHANGE = 0.003
+"""Of sigmas, below which they are the same: chi-squared changes by less than 0.01 per degree."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,12 +82,16 @@ def weighed(stated: CampaignData, theory: Theory | None = None) -> Evidence:
 
 
 def corrections(scales: tuple[NoiseScale, NoiseScale]) -> tuple[float, float]:
-    """Return by what to multiply sigmas: 1 where the scatter does not contradict them."""
-    position, rotation = (
-        scale.value if abs(scale.value - 1) > CONTRADICTED_SIGMAS * scale.sigma else 1.0
-        for scale in scales
-    )
+    """Return by what to multiply sigmas: 1 where the scatter is as stated."""
+    position, rotation = map(_correction, scales)
     return position, rotation
+
+
+def _correction(scale: NoiseScale) -> float:
+    if abs(scale.value - 1) > CONTRADICTED_SIGMAS * scale.sigma:
+        return scale.value
+    enlarged = min(scale.value, scale.by_slow)
+    return enlarged if enlarged > 1 + LEAST_CHANGE else 1.0
 
 
 def stage_of(data: CampaignData, fit: Fit, error: PredictionError | None = None) -> Stage:
@@ -116,7 +124,7 @@ def weighed_again(
     changed = (
         not np.array_equal(again.cleaned.kept, kept.kept)
         or again.cleaned.frames != kept.frames
-        or again.noise != evidence.noise
+        or not np.allclose(again.noise, evidence.noise, rtol=0, atol=LEAST_CHANGE)
         or _estimated(evidence.stated)
     )
     if not changed:

@@ -12,22 +12,30 @@ import numpy as np
 
 from analysis.arrays import Floats
 from analysis.model.data.stream import CampaignData
-from analysis.model.data.tables import ContactTable
+from analysis.model.data.tables import ContactTable, Data
 from analysis.model.fitting.fit import Fit, parts_of
 from analysis.model.fitting.nuisance import MOST_PULL
 from analysis.model.loops import plain
 from analysis.model.loops.blocks import whitenings
-from analysis.model.predict.comparison import Comparison, compare
+from analysis.model.predict.comparison import Comparison, compare, weights
 
 _LEAST = 1e-12
 
 
 @dataclass(frozen=True, slots=True)
 class NoiseScale:
-    """By what to multiply stated sigmas of one kind, and the standard error of that factor."""
+    """By what to multiply stated sigmas of one kind, and the standard error of that factor.
+
+    Attributes
+    ----------
+    by_slow
+        What slow errors of the stated size make of it at most: what of them changes within a
+        flight scatters beside the stated sigmas.
+    """
 
     value: float
     sigma: float
+    by_slow: float = 1.0
 
 
 UNTOLD = NoiseScale(1.0, np.inf)
@@ -41,14 +49,17 @@ def noise_scales(data: CampaignData, fit: Fit) -> tuple[NoiseScale, NoiseScale]:
     """
     if isinstance(data, ContactTable):
         return UNTOLD, UNTOLD
-    squares, freedom = np.zeros((2, 2))
+    squares, freedom, slow = np.zeros((3, 2))
     theory = fit.theory.unstrained(MOST_PULL)
     for part, states in parts_of(data, fit):
         line, _ = compare(part, states, theory)
         left, free = free_flight_misfit(line)
         squares += left
         freedom += free
-    return _scale(squares[0], freedom[0]), _scale(squares[1], freedom[1])
+        slow += _slow_squares(part)
+    kinds = zip(squares, freedom, slow, strict=True)
+    position, rotation = (_scale(*map(float, of_kind)) for of_kind in kinds)
+    return position, rotation
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,8 +112,19 @@ def rescaled(data: CampaignData, fit: Fit) -> CampaignData:
     return data.with_noise(position.value, rotation.value)
 
 
-def _scale(chi2: float, freedom: float) -> NoiseScale:
+def _slow_squares(part: Data) -> Floats:
+    """Return squares of slow errors over sigma, summed over what was measured: (places, turns)."""
+    if isinstance(part, ContactTable):
+        return np.zeros(2)
+    squares = (weights(part) ** 2).sum(axis=(0, 1, 2))
+    sizes = np.array([part.slow.position_m, part.slow.rotation_rad])
+    return np.asarray(sizes**2 * squares.reshape(2, 3).sum(axis=1))
+
+
+def _scale(chi2: float, freedom: float, slow: float) -> NoiseScale:
     if freedom < 0.5:
         return UNTOLD
     value = float(np.sqrt(chi2 / freedom))
-    return NoiseScale(value, value / float(np.sqrt(2 * freedom)))
+    return NoiseScale(
+        value, value / float(np.sqrt(2 * freedom)), float(np.sqrt(1 + slow / freedom))
+    )

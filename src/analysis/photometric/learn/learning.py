@@ -41,6 +41,8 @@ ORDINARY_DARKNESS = 0.6
 FAINT_TURNS = 6
 MARKED_FROM = 2
 """Iterations after which the markers determine the radius."""
+LARGEST_SIGMA = 1e-3
+"""Of the radius by the markers' noise, beyond which they do not determine it."""
 FINISH_LIMITS = np.array([40.0, 15.0, 6.0])
 SEARCH_ROUNDS = (1, 2, 3)
 SHARED_FROM = 1
@@ -52,11 +54,15 @@ TOGETHER_LIMITS = (15.0, 8.0, 6.0, 6.0)
 SEARCH_TOGETHER = (0, 1)
 EXTENDING_LIMITS = (15.0, 6.0, 6.0)
 WIDEST_PX = 3.0
-LIMB_SCALE_SIGMA, MARKER_SCALE_SIGMA = 5e-3, 1e-3
-"""Relative accuracy of the scale, by the limb and by the markers.
+LIMB_SCALE_SIGMA, MARKER_SCALE_SIGMA = 5e-3, 2e-4
+"""Relative accuracy of the scale, by the limb and by the markers, for spheres of known diameter.
 
 Light from one side passes for another radius at the limb. Markers move across the disc and are seen
 in both views at once, which gives the radius without the limb.
+"""
+NEARNESS_SCALE_SIGMA = 3e-4
+"""Beside it, where a camera is so near that perspective shows: its axis is taken for the middle of
+the frame.
 """
 FARTHEST_PER_M = 0.05
 """Nearness below which a camera is taken as orthographic: farther than 20 m. Shading alone looks
@@ -237,7 +243,7 @@ def without_false(films: Sequence[Film], known: Appearance, *, unseen: bool = Tr
 
 def radius_determined(known: Appearance) -> bool:
     """Whether the markers determine the radius."""
-    return known.camera_sigma[0] < MARKER_SCALE_SIGMA
+    return known.camera_sigma[0] < LARGEST_SIGMA
 
 
 def with_shared(
@@ -275,7 +281,8 @@ def with_shared(
         film.keep_places(camera.optics, changed.optics)
     # Light at the limb, as of a lamp beside or gloss, biases the markers' estimate too.
     limb = float(np.mean([step.limb for step in steps]))
-    scale_sigma = float(np.linalg.norm([MARKER_SCALE_SIGMA, sigma[0], limb]))
+    near = 0.0 if far else NEARNESS_SCALE_SIGMA
+    scale_sigma = float(np.linalg.norm([MARKER_SCALE_SIGMA, near, sigma[0], limb]))
     radius_px = float(scales[0]) * (a.radius_m + b.radius_m) / 2
     apart_px = radius_px * float(np.sqrt(np.mean([step.limb**2 for step in steps])))
     return replace(

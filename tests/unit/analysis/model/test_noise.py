@@ -7,8 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from analysis.model.data.evidence import weighed
+from analysis.model.data.poses import PoseData
 from analysis.model.fitting.fit import fit_campaign
 from analysis.model.fitting.noise import noise_scales, rescaled
+from analysis.setup import SlowErrors
 from tests.unit.analysis.model.hard_spheres import POSITION_SIGMA, ROTATION_SIGMA, campaign
 
 SHOTS = 60
@@ -46,3 +49,26 @@ def test_a_law_of_contact_that_is_wrong_does_not_make_the_noise_look_larger() ->
     wrong = replace(fit, theory=fit.theory.at(np.array([0.5, 0.3, -0.5])))
     for scale in noise_scales(data, wrong):
         assert scale.value == pytest.approx(1.0, abs=4 * SAMPLING)
+
+
+def with_slow_errors(data: PoseData, share: float) -> PoseData:
+    slow = SlowErrors(position_m=share * POSITION_SIGMA, rotation_rad=share * ROTATION_SIGMA)
+    return replace(data, slow=slow)
+
+
+def test_scatter_that_slow_errors_add_to_stated_sigmas_is_in_the_sigmas_of_a_fit() -> None:
+    true = campaign(SHOTS, 44)
+    added, excess = 0.2, np.hypot(1.0, 0.2)
+    stated = true.with_sigmas(true.position_sigma / excess, true.rotation_sigma / excess)
+    assert weighed(stated).noise == (1.0, 1.0), "within four errors of what is stated"
+    of_slow = weighed(with_slow_errors(stated, added)).noise
+    assert of_slow == pytest.approx((excess, excess), abs=3 * SAMPLING)
+    assert min(of_slow) > 1.0
+
+
+def test_slow_errors_enlarge_sigmas_by_no_more_than_their_own_size() -> None:
+    true = campaign(SHOTS, 44)
+    stated = true.with_sigmas(true.position_sigma / 1.02, true.rotation_sigma / 1.02)
+    of_slow = weighed(with_slow_errors(stated, 0.1)).noise
+    assert max(of_slow) <= np.sqrt(1.0 + 0.1**2 * 1.02**2 * 2)
+    assert max(of_slow) > 1.0
