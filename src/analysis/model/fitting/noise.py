@@ -72,6 +72,9 @@ class FreeFlight:
         Whitened residuals with the flights fitted, shape (S, B, L).
     basis
         What fitting them took, unit columns across each other, shape (S, B, L, 48 / B).
+    change
+        By what that changed the numbers of each sphere and kind, place and rate of either side,
+        shape (S, B, 48 / B).
     share
         One less the leverage of each residual, zero where nothing was measured, shape (S, B, L):
         they add up to the degrees of freedom.
@@ -79,17 +82,20 @@ class FreeFlight:
 
     left: Floats
     basis: Floats
+    change: Floats
     share: Floats
 
 
 def about_free_flight(line: Comparison) -> FreeFlight:
     """Fit the numbers of both flights of each sphere, and nothing else."""
-    basis = line.slopes @ whitenings(plain(line.gram), _LEAST)
+    units = whitenings(plain(line.gram), _LEAST)
+    basis = line.slopes @ units
     taken = np.swapaxes(basis, 2, 3) @ line.residual[..., None]
     measured = line.slopes.any(axis=3)
     return FreeFlight(
         left=line.residual - (basis @ taken)[..., 0],
         basis=basis,
+        change=(units @ taken)[..., 0],
         share=np.where(measured, 1 - np.einsum("sblp,sblp->sbl", basis, basis), 0.0),
     )
 

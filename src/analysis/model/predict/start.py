@@ -28,11 +28,7 @@ def first_states(data: Data) -> ShotStates:
     """
     if isinstance(data, ContactTable):
         return _tabulated(data)
-    seen = data.seen
-    fall = 0.5 * data.gravity * data.times_s**2
-    straight = data.position.copy()
-    straight[..., 0] -= fall[..., None]
-    straight = np.where(seen[..., None, None], straight, 0.0)
+    seen, straight = data.seen, _straightened(data)
     if data.on_plate:
         before, after = _beside_bounce(data.times_s, seen)
         seen = before | after
@@ -44,12 +40,7 @@ def first_states(data: Data) -> ShotStates:
     reach = sum(body.radius for body in data.bodies)
     bounds = _bounds(data.times_s, before, seen)
     if data.on_plate:
-        inward = np.array(data.plate.normal)
-        later, leaving = (
-            numbers[:, :3] @ inward
-            for numbers in _lines(data.times_s, straight.reshape(*seen.shape, 6), after)
-        )
-        time = _kink(place[:, 0] @ inward, slope[:, 0] @ inward, later, leaving, bounds)
+        time = _kink(data, (before, after), bounds)[0]
     else:
         time = _touch(place, slope, reach, bounds)
     centres = place + slope * time[:, None, None]
@@ -71,6 +62,21 @@ def first_states(data: Data) -> ShotStates:
         rotation=rotation,
         kick=_kick(data),
     )
+
+
+def first_restitutions(data: PoseData) -> Floats:
+    """Guess e of every bounce on a plate by straight lines next to it, gravity taken out, (S,)."""
+    sides = before, after = _beside_bounce(data.times_s, data.seen)
+    time, coming, leaving = _kink(data, sides, _bounds(data.times_s, before, before | after))
+    falling = data.gravity * time * data.plate.normal[0]
+    return np.asarray(-(leaving + falling) / np.maximum(coming + falling, 1e-9))
+
+
+def _straightened(data: PoseData) -> Floats:
+    """Return places with the fall since time 0 taken out, 0 where not seen, (S, F, 2, 3)."""
+    straight = data.position.copy()
+    straight[..., 0] -= (0.5 * data.gravity * data.times_s**2)[..., None]
+    return np.where(data.seen[..., None, None], straight, 0.0)
 
 
 def _tabulated(table: ContactTable) -> ShotStates:
@@ -172,11 +178,21 @@ def _touch(place: Floats, slope: Floats, reach: float, bounds: tuple[Floats, Flo
 
 
 def _kink(
-    place: Floats, slope: Floats, later: Floats, leaving: Floats, bounds: tuple[Floats, Floats]
-) -> Floats:
-    """Return when lines before and after a bounce cross, within the bounds, shape (S,)."""
-    closing = np.maximum(slope - leaving, 1e-9)
-    return np.asarray(np.clip((later - place) / closing, *bounds))
+    data: PoseData,
+    sides: tuple[NDArray[np.bool_], NDArray[np.bool_]],
+    bounds: tuple[Floats, Floats],
+) -> tuple[Floats, Floats, Floats]:
+    """Return when lines before and after a bounce cross, within the bounds, and their slopes, (S,).
+
+    Slopes are along the plate's normal, the fall taken out.
+    """
+    inward, centre = np.array(data.plate.normal), _straightened(data)[:, :, 0]
+    (place, coming), (later, leaving) = (
+        (value @ inward, slope @ inward)
+        for value, slope in (_lines(data.times_s, centre, side) for side in sides)
+    )
+    closing = np.maximum(coming - leaving, 1e-9)
+    return np.asarray(np.clip((later - place) / closing, *bounds)), coming, leaving
 
 
 def _turning(data: PoseData, before: NDArray[np.bool_], time: Floats) -> tuple[Floats, Floats]:

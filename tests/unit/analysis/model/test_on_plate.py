@@ -14,6 +14,7 @@ from analysis.model.data.bounces import bounces_of
 from analysis.model.data.gather import gather
 from analysis.model.data.poses import PoseData
 from analysis.model.data.reading import stream_poses
+from analysis.model.fitting.air import with_measured_air
 from analysis.model.fitting.fit import START
 from analysis.model.fitting.robust_fit import RobustFit, robust_fit
 from analysis.model.predict.contact import contact_outcome, differentiated_contact
@@ -132,6 +133,9 @@ def test_the_air_is_as_thick_for_a_ball_that_it_slows_down_much(tmp_path: Path) 
         markers=False,
         air="drag_coefficient = 0.5\ndrag_coefficient_sigma = 0.1",
     )
+    alone = with_measured_air(posed(folder))
+    # With the speeds of lines beside the bounces, and one restitution for all, it is 0.441.
+    assert alone.drag_coefficient == pytest.approx(0.45, abs=0.002)
     drag = robust_fit(posed(folder)).fit.systematics()["drag.Cd"]
     # Along paths that the air does not bend it is 0.462.
     assert drag.value == pytest.approx(0.45, abs=0.002)
