@@ -305,6 +305,12 @@ class Setup:
         moving = [sphere.diameter_sigma for sphere in self.spheres if not sphere.plate]
         return sum(moving) / len(moving)
 
+    @property
+    def stated_length_sigma(self) -> float:
+        """The same where the set-up states it, 0 where it does not."""
+        moving = [sphere for sphere in self.spheres if not sphere.plate]
+        return self.length_sigma if all(s.diameter_sigma_m is not None for s in moving) else 0.0
+
 
 SAME_DENSITY = 0.05
 """Relative: a sphere's density, weighed, and that of its material as tables have it."""

@@ -221,6 +221,7 @@ def stated_poses(shots: Shots, columns: ShotColumns, setup: Setup, plate: Plate)
         air_density=setup.environment.air_density_kg_per_m3,
         drag_coefficient=setup.environment.drag_coefficient,
         drag_sigma=setup.environment.drag_coefficient_sigma,
+        length_sigma=setup.stated_length_sigma,
         covariates={},
         camera=setup.camera,
         excluded=tuple(sorted(excluded)),

@@ -14,7 +14,7 @@ from analysis.collision.operator import Body
 from analysis.effects.flight.wind import NOMINAL_DRAG
 from analysis.model.data.parts import Kept, cut, in_memory
 from analysis.model.data.plate import LEVEL, Plate
-from analysis.model.fitting.systematics import Systematic, of_air, of_images, of_plate
+from analysis.model.fitting.systematics import Systematic, of_air, of_images, of_lengths, of_plate
 from analysis.schema.verdict import TornTrack
 from analysis.setup import DRAG_SIGMA, NO_SLOW_ERRORS, CameraSetup, SlowErrors
 
@@ -93,6 +93,8 @@ class PoseData:
         The same of single shots, by their numbers.
     jitter_s
         Standard deviation of each frame's time, common to both spheres, s.
+    length_sigma
+        Relative standard error of all lengths together, the diameters included, where it is stated.
     plate
         How the plate lies, where b is one.
     """
@@ -118,6 +120,7 @@ class PoseData:
     unused: Mapping[str, str] = field(default_factory=dict)
     drag_coefficient: float | None = None
     drag_sigma: float = DRAG_SIGMA
+    length_sigma: float = 0.0
     plate: Plate = LEVEL
 
     def without(self, frames: NDArray[np.bool_]) -> PoseData:
@@ -243,6 +246,7 @@ class PoseData:
         return (
             *of_images(seen),
             *of_air(drag, self.drag_sigma),
+            *of_lengths(self.gravity, self.length_sigma),
             *(of_plate(self.plate.sigma_rad) if self.on_plate else ()),
         )
 

@@ -17,6 +17,7 @@ from analysis.effects.contact.mass_offset import EFFECT as MASS_OFFSET
 from analysis.effects.contact.plate_tilt import EFFECT as PLATE_TILT
 from analysis.effects.effect import Effect, Values
 from analysis.effects.flight.drag import EFFECT as DRAG
+from analysis.effects.flight.gravity_value import EFFECT as GRAVITY_VALUE
 from analysis.setup import SlowErrors
 
 OF_IMAGES: tuple[Effect, ...] = (OUTLINE_OFFSET, ORIENTATION_OFFSET, MASS_OFFSET, IMAGE_SCALE)
@@ -61,6 +62,15 @@ def of_air(coefficient: float | None, sigma: float) -> tuple[Systematic, ...]:
         return ()
     stated = np.array([coefficient])
     return (Systematic(DRAG, stated, sigma, stated),)
+
+
+def of_lengths(gravity: float, sigma: float) -> tuple[Systematic, ...]:
+    """Return what diameters that are off do: lengths, spheres included, are off by one factor.
+
+    Where spheres touch and how they turn is as it was; gravity, m/s^2, is seen off by that factor.
+    """
+    wide = abs(gravity) * sigma
+    return (_off(GRAVITY_VALUE, wide),) if wide > 0.0 else ()
 
 
 def of_plate(sigma_rad: float) -> tuple[Systematic, ...]:

@@ -26,7 +26,7 @@ from tests.unit.analysis.model.chosen import chosen
 from tests.unit.analysis.model.hard_spheres import campaign
 
 TURN_RAD = 3e-3 * np.array([[0.0, 0.8, -0.6], [0.6, -0.8, 0.0]])
-EFFECTS = chosen("mass-offset", "image-scale", "radius-mismatch", "drag")
+EFFECTS = chosen("mass-offset", "image-scale", "radius-mismatch", "drag", "gravity-value")
 PATTERN_M = 1.2e-5
 OUTLINE_M = 8e-6 * np.array([0.0, 1.0, 0.0])
 
@@ -50,6 +50,14 @@ def enlarged(share: float, *, told: float) -> PoseData:
     """Return spheres of which all lengths are seen too long by a share."""
     data = campaign(60, 43)
     return replace(data, position=(1.0 + share) * data.position, slow=SlowErrors(scale=told))
+
+
+def measured_by_diameters(share: float, *, told: float) -> PoseData:
+    """Return spheres whose diameters are stated too large by a share, and all lengths with them."""
+    data = campaign(60, 45, position_sigma=1e-6, rotation_sigma=5e-4)
+    a, b = (replace(body, radius=(1.0 + share) * body.radius) for body in data.bodies)
+    position = (1.0 + share) * data.position
+    return replace(data, position=position, bodies=(a, b), length_sigma=told)
 
 
 def turned(*, slow_rad: float) -> PoseData:
@@ -132,6 +140,17 @@ def test_a_scale_as_wrong_as_it_may_be_is_no_finding() -> None:
 
 def test_a_scale_far_beyond_its_error_is_found_all_the_same() -> None:
     assert promised(enlarged(8e-3, told=1e-3), "image-scale").p_familywise < 0.001
+
+
+def test_diameters_that_are_off_are_seen_in_the_fall_and_are_no_finding() -> None:
+    trusted, granted = (measured_by_diameters(1e-3, told=told) for told in (0.0, 1e-3))
+    assert promised(trusted, "gravity-value").p_familywise < 0.001
+    assert promised(granted, "gravity-value").p_familywise > 0.05
+    fit = fit_campaign(granted)
+    seen = fit.systematics()["gravity-value.dg"]
+    assert seen.sigma < 0.3 * 1e-3 * granted.gravity
+    assert seen.value == pytest.approx(1e-3 * granted.gravity, abs=3 * seen.sigma)
+    assert fit.chi2_per_dof == pytest.approx(1.0, abs=4 * np.sqrt(2 / fit.freedom))
 
 
 def test_what_is_found_of_an_outline_is_said_with_its_error_and_apart_from_the_law() -> None:
