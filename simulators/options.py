@@ -127,5 +127,6 @@ def read_options(table: Mapping[str, object]) -> Options:
         return Options(**plain, bench=BenchScene.of(scene))  # type: ignore[arg-type]
     holds = scene.get("energised", "hold") == "hold"
     options = Options(**plain, holds_energised=holds)  # type: ignore[arg-type]  # each value was checked above
-    rng = np.random.default_rng([options.seed, OF_DIAMETERS])
+    # What is hidden acts between spheres that are just as stated.
+    rng = None if options.hides else np.random.default_rng([options.seed, OF_DIAMETERS])
     return replace(options, world=described(scene, **tables, rng=rng))
