@@ -53,7 +53,13 @@ def plane(found: Json, title: str) -> Json:
         HEIGHT,
         f"{title}-figure-7-4",
         showlegend=True,
-        legend={"x": 0.02, "y": 0.98, "bgcolor": "rgba(0,0,0,0)"},
+        legend={
+            "x": 0.02,
+            "y": 0.98,
+            "bgcolor": "rgba(0,0,0,0)",
+            "itemclick": False,
+            "itemdoubleclick": False,
+        },
         xaxis={
             "title": {"text": "v<sub>s</sub> / |v<sub>n</sub>| before contact"},
             "range": [0, reach],

@@ -26,6 +26,10 @@ def column(name: str, label: str, align: str = "right", **more: object) -> Colum
     return {"name": name, "label": label, "field": name, "sortable": True, "align": align, **more}
 
 
+SORTED = """!props.col.__thClass.includes("sorted") ? "none"
+  : props.col.__thClass.includes("sort-desc") ? "descending" : "ascending"
+"""
+"""How the rows are sorted by a column, as assistive technology names it."""
 ROOMY: dict[str, Any] = {"classes": "roomy", "headerClasses": "roomy"}
 """Of a column that a telephone has no room for."""
 SIGNED: dict[str, Any] = {":format": "value => String(value ?? '').replace('-', '−')"}
@@ -145,21 +149,38 @@ class ShotTable:
 
 def link_cells(table: ui.table, column_name: str, place: str, key: str) -> None:
     """Make a column's cells links to `place` and what rows hold under `key`: for the keyboard."""
-    table.add_slot(
-        f"body-cell-{column_name}",
-        f"""<q-td :props="props"><a v-if="props.row.{key}" :href="'{place}' + props.row.{key}"
-        @click.stop>{{{{ props.value }}}}</a></q-td>""",
-    )
+    with table.add_slot(f"body-cell-{column_name}"), ui.element("q-td").props(":props=props"):
+        link = ui.element("a").on("click", js_handler="(event) => event.stopPropagation()")
+        link.props[":href"] = f"props.row.{key} ? '{place}' + props.row.{key} : undefined"
+        link.props[":textContent"] = "props.value"
 
 
 def explain_headings(table: ui.table, meanings: Mapping[str, str] = HEADINGS) -> None:
-    """Let the headings of these columns say what stands in them on hover."""
-    for name, label in ((own["name"], str(own["label"])) for own in table.columns):
-        if meaning := meanings.get(name):
-            table.add_slot(
-                f"header-cell-{name}",
-                f'<q-th :props="props" title="{escape(meaning)}">{lowered(escape(label))}</q-th>',
-            )
+    """Let headings say what their columns hold on hover, and sort by the keys as by a click.
+
+    They are elements, as links are: a slot with a template would be made anew with each news of a
+    page, and lose the focus.
+    """
+    for own in table.columns:
+        words = lowered(escape(str(own["label"])))
+        with table.add_slot(f"header-cell-{own['name']}"):
+            heading = ui.element("th")
+        heading.props[":class"] = "props.col.__thClass"
+        heading.props[":style"] = "props.col.headerStyle"
+        if meaning := meanings.get(own["name"]):
+            heading.props["title"] = meaning
+        with heading:
+            if own["align"] == "left":
+                ui.html(words, sanitize=False, tag="span")
+            if own.get("sortable"):
+                arrow = ui.element("q-icon").props("name=arrow_upward")
+                arrow.props[":class"] = "props.col.__iconClass"
+                heading.props["tabindex"] = 0
+                heading.props[":aria-sort"] = SORTED
+                for event in ("click", "keydown.enter", "keydown.space.prevent"):
+                    heading.on(event, js_handler="() => props.sort(props.col)")
+            if own["align"] != "left":
+                ui.html(words, sanitize=False, tag="span")
 
 
 def _row(shot: ShotRecord) -> dict[str, object]:
