@@ -166,12 +166,12 @@ def fire_delay(browser: Browser, daemon: Served, shots: int) -> list[Number]:
 
 
 def latency(page: Page, daemon: Served) -> float:
-    """Return how long after a stop the page shows it, s."""
+    """Return how long after a stop the page shows it, s, from the time that the rig gives it."""
     page.evaluate(WATCH)
-    began = time.time()
     daemon.rest.post("/api/v1/rig/estop", json={"reason": "the benchmark"}).raise_for_status()
     page.wait_for_function("window.changes.length > 0")
     at = page.evaluate("window.changes[0][0]") / 1e3
+    began = datetime.fromisoformat(daemon.rest.get("/api/v1/rig").json()["since"]).timestamp()
     daemon.rest.post("/api/v1/rig/release", json={"reason": "the benchmark"}).raise_for_status()
     page.get_by_text("idle", exact=True).wait_for()
     return float(at - began)

@@ -12,7 +12,7 @@ import time
 import uuid
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Protocol
@@ -51,6 +51,17 @@ POINTS = """document.querySelector("[data-testid=story-points] .js-plotly-plot, 
   .map((one) => [...one.x, "", ...one.y].join()).join()"""
 """Points and line: the mean of a row has the points of another cell of it."""
 NEW_POINTS = f"before => {{ const now = {POINTS}; return now && now !== before; }}"
+GONE_AGAIN = "() => !document.querySelector('[data-testid=story-added]')"
+FROM_EVENT = """([event, given]) => {
+  const shown = (%s);
+  window.waited = new Promise((done) => addEventListener(event, ({ timeStamp }) => {
+    const look = () => shown(given)
+      ? setTimeout(() => done(performance.now() - timeStamp), 0) : requestAnimationFrame(look);
+    requestAnimationFrame(look);
+  }, { once: true, capture: true }));
+}"""
+"""From the event of a person's hand, as the browser dates it, to the frame that shows what follows:
+what the browser's driver does before it clicks is no wait of a person."""
 
 
 class Daemon(Protocol):
@@ -136,10 +147,10 @@ def cells_shown(page: Page, daemon: Daemon) -> list[Waited]:
         settle(daemon)
         points = page.evaluate(POINTS)
         cell = page.get_by_test_id("map").locator("[aria-pressed=false]").nth(len(taken))
+        page.evaluate(FROM_EVENT % NEW_POINTS, ["click", points])
         meter = Meter(daemon)
         cell.click()
-        page.wait_for_function(NEW_POINTS, arg=points)
-        taken.append(meter.read())
+        taken.append(_from_event(page, meter))
     return taken
 
 
@@ -148,10 +159,16 @@ def undone(page: Page, daemon: Daemon) -> Waited:
     page.locator("[data-testid^=add-]").first.click()
     page.get_by_test_id("story-added").wait_for(timeout=LONG_MS)
     settle(daemon)
+    page.evaluate(FROM_EVENT % GONE_AGAIN, ["keydown", None])
     meter = Meter(daemon)
     page.keyboard.press("u")
-    page.get_by_test_id("story-added").wait_for(state="detached")
-    return meter.read()
+    return _from_event(page, meter)
+
+
+def _from_event(page: Page, meter: Meter) -> Waited:
+    """Return the wait that `FROM_EVENT` has been asked for."""
+    seconds = float(page.evaluate("window.waited")) / 1e3
+    return replace(meter.read(), seconds=seconds)
 
 
 def first_coefficients(page: Page, daemon: Daemon) -> Waited:
