@@ -23,13 +23,13 @@ STRETCH = 0.004
 FIT = {
     *("campaign", "shots", "with", "chi2_per_dof", "degrees_of_freedom", "converged", "parameters"),
     *("faults", "noise", "excluded", "rejected", "rejected_frames", "torn_tracks", "alarms"),
-    "nuisances",
+    *("nuisances", "formulas"),
 }
 EXPLAIN = {
     *("campaign", "shots", "used", "excluded", "rejected", "rejected_frames", "verdict", "effects"),
     *("alias_set", "alias_sets", "unexplained", "chi2_per_dof", "path", "parameters", "candidates"),
     *("noise", "structure", "next_shots", "faults", "torn_tracks", "alarms"),
-    *("p_chi2", "nuisances"),
+    *("p_chi2", "nuisances", "formulas"),
 }
 pytestmark = [pytest.mark.long, pytest.mark.timeout(600)]
 

@@ -65,6 +65,8 @@ class FitReport:
         Names of those that were added; `with` in JSON.
     converged
         Whether a further step would lower chi-squared by less than what matters.
+    formulas
+        Of the added effects, by name, with what is held in them, such as the speed of a knee.
     nuisances, alarms
         All that is stated beforehand; of it what the fit pulls far away, the farthest first.
     """
@@ -81,6 +83,7 @@ class FitReport:
     degrees_of_freedom: int
     converged: bool
     parameters: Mapping[str, Measured]
+    formulas: Mapping[str, str] = Field(default_factory=dict)
     nuisances: tuple[Nuisance, ...] = ()
     alarms: tuple[Nuisance, ...] = ()
 
@@ -208,6 +211,8 @@ class VerdictReport:
         Chance of so large a chi-squared when nothing is missing and the sigmas are true.
     path
         From the base model on.
+    formulas
+        As in `FitReport`.
     candidates
         Before any effect was added, the most promising first.
     structure
@@ -232,6 +237,7 @@ class VerdictReport:
     p_chi2: Chance
     path: tuple[PathStage, ...]
     parameters: Mapping[str, Measured]
+    formulas: Mapping[str, str] = Field(default_factory=dict)
     nuisances: tuple[Nuisance, ...] = ()
     alarms: tuple[Nuisance, ...] = ()
     candidates: tuple[SeenCandidate, ...] = ()

@@ -58,7 +58,10 @@ EFFECT = ContactEffect(
             plausible=(0.0, 0.2),
         ),
     ),
-    formula="e = e0 [1 - a (v_n^0.2 - v0^0.2) / 0.2 + ...], e0 E(gamma)/E(gamma0) as a whole",
+    formula=(
+        f"e = e0 [1 - a (v_n^0.2 - v0^0.2) / 0.2 + ...], v0 = {REFERENCE_SPEED:g} m/s; "
+        "as a whole e0 E(gamma) / E(gamma0)"
+    ),
     source=(
         "G. Kuwabara and K. Kono, Jpn. J. Appl. Phys. 26, 1230 (1987); R. Ramirez, T. Poeschel, "
         "N. V. Brilliantov and T. Schwager, Phys. Rev. E 60, 4465 (1999): e = 1 - 1.15345 gamma, "

@@ -89,6 +89,13 @@ class FitSummary:
         ]
         return {**dict(law), **dict(added), **self.scatter}
 
+    def formulas(self) -> dict[str, str]:
+        """Return the formula of each added effect with what its variant holds, by its name.
+
+        Read with `parameters` it gives the fitted law, e at any speed say.
+        """
+        return {a.effect.name: a.effect.formula for a in self.theory.active}
+
     def _spreads(self) -> list[float]:
         """Return by how much families that are not told apart differ, for each added parameter."""
         found: list[float] = []

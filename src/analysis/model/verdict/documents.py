@@ -52,6 +52,7 @@ def fit_report(title: str, names: Sequence[str], found: Accounted) -> FitReport:
         degrees_of_freedom=fit.freedom,
         converged=fit.converged,
         parameters=fit.parameters(),
+        formulas=fit.formulas(),
         nuisances=nuisances(fit),
         alarms=alarms_of(fit),
     )
@@ -90,6 +91,7 @@ def verdict_report(
             for stage in verdict.path
         ),
         parameters=fit.parameters(),
+        formulas=fit.formulas(),
         nuisances=nuisances(fit),
         alarms=alarms_of(fit),
         candidates=tuple(_seen(one) for one in verdict.first_ranking.candidates if one.seen),
