@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rigctl.cli.rig.demo_report import taken_out
+from rigctl.cli.rig.demo import taken_out
 
 
 def test_an_effect_that_was_added_and_dropped_again_is_named() -> None:

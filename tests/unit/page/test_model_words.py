@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from rigctl.challenge import HiddenEffect
+from rigctl.page.model.challenge_panel import beside_truth
 from rigctl.page.model.compare import is_unexpected
-from rigctl.page.model.revealed import beside_truth
 
 HIDDEN = HiddenEffect(effect="drag", amplitude=0.4, unit="1", meaning="drag coefficient")
 

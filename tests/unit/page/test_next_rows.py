@@ -7,7 +7,7 @@ import math
 from typing import Any
 
 from analysis.model.verdict.standing import Standing, Word
-from rigctl.page.model.next_rows import is_table, next_measurements
+from rigctl.page.model.next import is_table, next_measurements
 
 UNEXPLAINED = Standing(Word.UNEXPLAINED)
 

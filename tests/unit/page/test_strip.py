@@ -13,7 +13,7 @@ import pytest
 from fastapi import FastAPI
 
 from rigctl.page.shots.film import film_route, strip_address
-from rigctl.page.shots.strip import frames_about
+from rigctl.page.shots.player import frames_about
 
 FRAMES = np.random.default_rng(4).integers(0, 256, (12, 6, 8), np.uint8)
 

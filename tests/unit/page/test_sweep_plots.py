@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from rigctl.config import load
 from rigctl.page.sweeps.form import form_address
+from rigctl.page.sweeps.pages import what_became
 from rigctl.page.sweeps.plots import LOOKS, covers, grid, incidence, legend, progress
-from rigctl.page.sweeps.view import what_became
 from rigctl.settings import ShotSettings
 from rigctl.store import ShotState, StepState
 from rigctl.sweeps.form import Sweep

@@ -6,6 +6,7 @@ would make their likelihoods incomparable.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
@@ -16,8 +17,80 @@ from analysis.collision.contact_frames import inside_contact
 from analysis.model.data.poses import PoseData
 from analysis.model.data.stream import CampaignData, PoseStream
 from analysis.model.data.tables import ContactTable, Data
-from analysis.model.data.tears import without_torn_tracks
 from analysis.model.predict.start import LEAST_FOR_A_LINE, first_states
+from analysis.motion.tears import BEYOND, MOST_SIGMAS, WINDOW, torn
+from analysis.schema.verdict import TornTrack
+
+STRONG_DRAG = 1.0
+"""Drag coefficient beyond that of any smooth sphere in air."""
+MOST_CUT, LEAST_LEFT = 0.5, 4
+"""Share of a flight's frames: if more are cut and few are left, those beside the contact may be
+wrong, and all stay."""
+
+
+def without_torn_tracks(data: PoseData) -> PoseData:
+    """Cut each track where it leaves free flight for good.
+
+    Single bad frames stay: whether they are is judged with the law.
+    """
+    seen = np.asarray(np.isfinite(data.position_sigma).any(axis=3))
+    both = np.asarray(np.isfinite(data.position_sigma).all(axis=(2, 3)))
+    apart = np.linalg.norm(data.position[:, :, 1] - data.position[:, :, 0], axis=2)
+    if data.on_plate:
+        both, apart = data.seen, np.abs(data.times_s)
+    nearest = np.where(both, apart, np.inf).argmin(axis=1)
+    cut = np.zeros(seen.shape, dtype=np.bool_)
+    tracks: list[TornTrack] = []
+    for s in np.flatnonzero(both.any(axis=1)):
+        for i in (0,) if data.on_plate else (0, 1):
+            frames = np.flatnonzero(seen[s, :, i])
+            for side in (frames[frames < nearest[s]][::-1], frames[frames > nearest[s]]):
+                beyond = side[_beyond(data, int(s), i, side, int(nearest[s]))]
+                cut[s, beyond, i] = True
+                if beyond.size:
+                    ends = int(beyond.min()), int(beyond.max())
+                    tracks.append((int(data.shots[s]), "ab"[i], *ends))
+    if not cut.any():
+        return data
+    return replace(
+        data,
+        position_sigma=np.where(cut[..., None], np.inf, data.position_sigma),
+        rotation_sigma=np.where(cut, np.inf, data.rotation_sigma),
+        torn=tuple(tracks),
+    )
+
+
+def _bent(data: PoseData, tau: Floats, straight: Floats) -> float:
+    """Return by how much the air may bend the stretch that predicts a frame, m.
+
+    A ball flies longer and faster than what two tubes launch. It counts as an error.
+    """
+    if len(tau) < LEAST_LEFT:
+        return 0.0
+    body, frame = data.bodies[0], float(np.median(np.abs(np.diff(tau))))
+    speeds = np.linalg.norm(np.diff(straight, axis=0), axis=1) / np.abs(np.diff(tau))
+    fastest = float(np.median(speeds)) + data.gravity * float(np.ptp(tau))
+    area = np.pi * body.radius**2
+    drag = STRONG_DRAG * data.air_density * area / (2 * body.mass) * fastest**2
+    return float(0.5 * drag * (WINDOW * frame) ** 2 / MOST_SIGMAS)
+
+
+def _beyond(
+    data: PoseData, shot: int, sphere: int, frames: NDArray[np.intp], contact: int
+) -> NDArray[np.bool_]:
+    """Return which frames of one side, from the contact outward, lie beyond a tear."""
+    tau = data.times_s[shot, frames] - data.times_s[shot, contact]
+    sigma = np.ascontiguousarray(data.position_sigma[shot, frames, sphere])
+    straight = np.where(np.isfinite(sigma), data.position[shot, frames, sphere], 0.0)
+    straight[:, 0] -= 0.5 * data.gravity * tau**2
+    if data.on_plate:
+        sigma = sigma + _bent(data, tau, straight)
+    beyond = np.asarray(torn(tau, straight, sigma) == BEYOND)
+    left = int((~beyond).sum())
+    if left < LEAST_LEFT and beyond.sum() > MOST_CUT * len(beyond):
+        return np.zeros_like(beyond)
+    return beyond
+
 
 C = TypeVar("C", PoseData, ContactTable, PoseStream, Data, CampaignData)
 

@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.arrays import Floats
+from analysis.collision.instant import parting_time
+from analysis.collision.operator import Body
 from analysis.model.data.poses import PoseData
 from analysis.model.data.tables import ContactTable, Data
-from analysis.model.data.tabulated_duration import parting
 from analysis.model.data.unseen import numbers_of_bounces
 from analysis.model.fitting.jitter import Jitter, turning_by_frame
 from analysis.model.fitting.shared_noise import SharedNoise
@@ -26,10 +27,48 @@ from analysis.model.loops.blocks import information
 from analysis.model.loops.misfit import misfits, slopes_of
 from analysis.model.predict.contact import differentiated_contact
 from analysis.model.predict.prediction import Flown, OnWay, Poses, appear, fly, rate, shown
-from analysis.model.predict.sides import NUMBERS, Flights, flights, flights_by_state, rates_of
+from analysis.model.predict.sides import (
+    NUMBERS,
+    Flights,
+    flights,
+    flights_by_state,
+    place_of_rate,
+    rates_of,
+)
 from analysis.model.predict.state import ShotStates
 from analysis.model.predict.theory import Theory
 from analysis.motion.rotation import rotation_vector
+
+
+def parting(sides: Flights, bodies: tuple[Body, Body], normal: Floats) -> tuple[Floats, Floats]:
+    """Return durations, s, shape (S,), and their slopes by the 48 numbers, shape (S, 48).
+
+    Parameters
+    ----------
+    normal
+        From a to b at first touch, shape (S, 3): that of a plate stays.
+    """
+    gap = sides.place[:, 1, 1] - sides.place[:, 0, 1]
+    opening = sides.velocity[:, 1, 1] - sides.velocity[:, 0, 1]
+    reach = bodies[0].radius + bodies[1].radius
+    if bodies[1].is_plate:
+        along = (opening * normal).sum(axis=1)
+        lasts = (reach - (gap * normal).sum(axis=1)) / along
+        line = normal
+    else:
+        lasts = parting_time(gap, opening, np.full(len(gap), reach))
+        # Paths that pass each other by say nothing better than the contact itself.
+        lasts = np.where(np.isfinite(lasts), lasts, sides.duration)
+        line = (gap + opening * lasts[:, None]) / reach
+        along = (opening * line).sum(axis=1)
+    slopes = np.zeros((len(gap), NUMBERS))
+    for sphere, sign in ((0, 1.0), (1, -1.0)):
+        rate = place_of_rate(sphere, spin=False, after=True)
+        start = slice(rate.start - 3, rate.start)
+        slopes[:, start] = sign * line / along[:, None]
+        slopes[:, rate] = slopes[:, start] * lasts[:, None]
+    return lasts, slopes
+
 
 _CAMERA_STEP = 1e-6
 KINDS = 4

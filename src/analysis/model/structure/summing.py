@@ -9,11 +9,14 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from analysis.arrays import Floats
+from analysis.collision.operator import surface_velocity
 from analysis.model.data.parts import Kept
 from analysis.model.data.stream import CampaignData
+from analysis.model.data.tables import ContactTable, Data
 from analysis.model.fitting.field_errors import field_errors
 from analysis.model.fitting.fit import Fit, parts_of
 from analysis.model.fitting.normal import inverse, with_prior
+from analysis.model.predict.state import ShotStates
 from analysis.model.rank.projector import ByShot, ColumnSums, Eliminated, Solved, eliminated
 from analysis.model.structure.channels import (
     SMOOTH,
@@ -21,8 +24,36 @@ from analysis.model.structure.channels import (
     contact_columns,
     frame_channels,
 )
-from analysis.model.structure.covariates import shot_covariates
 from analysis.model.structure.reach import Reach, reach_of
+
+LEAST_SPEED = 1e-3
+
+
+def shot_covariates(data: Data, states: ShotStates) -> dict[str, Floats]:
+    """Return every covariate of the shots, each of shape (S,).
+
+    ln v_n, ln(v_s / v_n), spins along v_t x n and along n, where the contact was (rig axes, m), and
+    what the shot list holds. A table does not say where the contact was, and scalars nothing of the
+    spins.
+    """
+    before = states.before
+    relative = before.velocity_b - before.velocity_a
+    approach = np.maximum(-(relative * states.normal).sum(axis=1), LEAST_SPEED)
+    surface = surface_velocity(before, states.normal, data.bodies)
+    sliding = np.maximum(np.linalg.norm(surface, axis=1), LEAST_SPEED)
+    across = relative + approach[:, None] * states.normal
+    length = np.maximum(np.linalg.norm(across, axis=1, keepdims=True), LEAST_SPEED)
+    roll_axis = np.cross(across / length, states.normal)
+    speeds = {"ln v_n": np.log(approach), "ln v_s/v_n": np.log(sliding / approach)}
+    spins = {
+        "spin along v_t x n": ((before.spin_a + before.spin_b) * roll_axis).sum(axis=1),
+        "spin about n": ((before.spin_b - before.spin_a) * states.normal).sum(axis=1),
+    }
+    if isinstance(data, ContactTable):
+        return {**speeds, **({} if data.scalars else spins), **data.covariates}
+    places = {f"contact {axis}": states.point[:, k] for k, axis in enumerate("XYZ")}
+    return {**speeds, **spins, **places, **data.covariates}
+
 
 Name = tuple[str, str]
 """Of a cell: what is disturbed, and against what."""

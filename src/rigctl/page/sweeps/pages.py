@@ -2,17 +2,187 @@
 
 from __future__ import annotations
 
-from nicegui import ui
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from nicegui import events, run, ui
 
 from rigctl.errors import RigError
 from rigctl.page.desk import Desk
 from rigctl.page.layout import TICK_S, sheet
+from rigctl.page.parts.empty_plots import NONE_OF_SWEEP, READING
 from rigctl.page.parts.following import following
+from rigctl.page.parts.impact_plots import over_incidence, over_speed
 from rigctl.page.parts.presence import kept_page
+from rigctl.page.parts.quantities import INCIDENCE, SPEED
+from rigctl.page.parts.readings import Impact, rows_of
+from rigctl.page.parts.widgets import plot, save_csv
+from rigctl.page.shots.table import WHY, column, explain_headings, link_cells
 from rigctl.page.sweeps.form import SweepForm
 from rigctl.page.sweeps.orders import SweepProgress
-from rigctl.page.sweeps.view import SweepView
+from rigctl.page.sweeps.plots import legend, progress
+from rigctl.settings import ShotSettings
+from rigctl.store import ShotRecord, ShotState, StepRecord, StepState
 from rigctl.sweeps.status import SweepStatus
+
+COLUMNS = [
+    column("step", "step"),
+    column("fate", "what became of it", "left"),
+    column("pressure", "pressure a, kPa"),
+    column("offset", "offset, mm"),
+    column("shot", "shot"),
+    column("why", "why not", "left", **WHY),
+]
+
+
+def what_became(step: StepRecord, shot: ShotRecord | None) -> str:
+    """Return the fate of a step as the plots name it: a key of `sweep_plots.LOOKS`.
+
+    `shot` is None also where it was not read yet.
+    """
+    if step.state is StepState.WAITING:
+        return "waits"
+    if step.state is StepState.SKIPPED:
+        return "skipped"
+    if step.state is StepState.TAKEN:
+        return "under way"
+    if step.state is StepState.STORED:
+        fates = {ShotState.ANALYSED: "measured", ShotState.REFUSED: "not measured"}
+        return "fired" if shot is None else fates.get(shot.state, "under way")
+    return "not measured"
+
+
+class StepsTable:
+    """The steps in the order of firing, placed where it is made; a click opens a step's shot."""
+
+    def __init__(self) -> None:
+        self._table = ui.table(rows=[], columns=COLUMNS, pagination=8, row_key="step")
+        self._table.props("dense flat data-testid=steps").classes("wide")
+        self._table.on("rowClick", _open_shot)
+        explain_headings(self._table)
+        link_cells(self._table, "shot", "/shots/", "id")
+
+    def show(self, steps: Sequence[StepRecord], shots: Mapping[str, ShotRecord]) -> None:
+        """Show steps with their shots, by the shots' names."""
+        self._table.rows = [_row(step, shots.get(step.shot or "")) for step in steps]
+
+
+def _open_shot(event: events.GenericEventArguments) -> None:
+    if name := event.args[1]["id"]:
+        ui.navigate.to(f"/shots/{name}")
+
+
+def _row(step: StepRecord, shot: ShotRecord | None) -> dict[str, object]:
+    why = step.failure or (shot.failure if shot is not None else None)
+    return {
+        "id": step.shot or "",
+        "step": step.number,
+        "fate": what_became(step, shot),
+        "pressure": round(step.settings.pressure_a_kpa, 2),
+        "offset": round(step.settings.offset_mm, 3),
+        "shot": "" if shot is None else shot.number,
+        "why": why or "",
+    }
+
+
+SETTLED = frozenset({ShotState.MISFIRE, ShotState.UNKNOWN_OUTCOME, ShotState.ABORTED})
+
+
+@dataclass(frozen=True, slots=True)
+class _Stand:
+    """A sweep at one moment, with its shots by their names and what they were measured to be."""
+
+    status: SweepStatus
+    steps: list[StepRecord]
+    shots: Mapping[str, ShotRecord]
+    impacts: list[Impact]
+
+
+class SweepView:
+    """Placed where it is made; follows the sweep."""
+
+    def __init__(self, desk: Desk, sweep: str) -> None:
+        self._desk, self._sweep = desk, sweep
+        self._limits = desk.daemon.configuration.limits
+        self._heard = -1
+        # What is planned is there at once; what the shots were measured to be takes a disk.
+        steps = desk.daemon.store.sweeps.steps(sweep)
+        self._now = _Stand(desk.daemon.sweeps.status(sweep), steps, {}, [])
+        with ui.element("div").classes("panel").props("data-testid=sweep"):
+            self._progress = SweepProgress(desk, self._now.status, self._heading)
+        with ui.element("div").classes("columns third"):
+            with ui.element("div").classes("panel"):
+                ui.label("Where it is").classes("title")
+                self._legend = ui.html(self._counted(), sanitize=False).props("data-testid=legend")
+                self._plane = plot(progress(self._by_fate(), self._limits))
+            with ui.element("div").classes("panel"):
+                self._titled("Bounce over approach speed", "restitution", SPEED)
+                self._speed = plot(over_speed([], sweep, READING)).props("data-testid=grows")
+            with ui.element("div").classes("panel"):
+                self._titled("Spin-back over sliding", "tangential", INCIDENCE)
+                self._incidence = plot(over_incidence([], sweep, READING))
+        with ui.element("div").classes("panel"):
+            ui.label("Steps").classes("title")
+            self._table = StepsTable()
+            self._table.show(steps, {})
+        following(TICK_S * 3, self._follow)
+
+    async def _follow(self) -> None:
+        heard = self._desk.feed.told
+        if heard == self._heard:
+            return
+        stand = await run.io_bound(self._stand)
+        if stand is None:
+            return
+        first = self._heard < 0
+        self._heard, before, self._now = heard, self._now, stand
+        if stand.status != before.status:
+            self._progress.show(stand.status)
+        if stand.steps != before.steps or stand.shots != before.shots:
+            self._table.show(stand.steps, stand.shots)
+            self._plane.update_figure(progress(self._by_fate(), self._limits))
+            self._legend.set_content(self._counted())
+        if first or stand.impacts != before.impacts:
+            told = stand.impacts, self._sweep, NONE_OF_SWEEP
+            self._speed.update_figure(over_speed(*told))
+            self._incidence.update_figure(over_incidence(*told))
+
+    def _stand(self) -> _Stand:
+        """Read the sweep; blocks for the disk. A shot that has ended is not read again."""
+        status = self._desk.daemon.sweeps.status(self._sweep)
+        store = self._desk.daemon.store
+        steps = store.sweeps.steps(self._sweep)
+        shots = {
+            step.shot: store.shot(step.shot)
+            for step in steps
+            if step.shot is not None and step.shot not in self._ended()
+        }
+        shots = {**self._ended(), **shots}
+        return _Stand(status, steps, shots, self._desk.readings.of(shots.values()))
+
+    def _ended(self) -> dict[str, ShotRecord]:
+        ended = {ShotState.ANALYSED, ShotState.REFUSED, *SETTLED}
+        return {name: shot for name, shot in self._now.shots.items() if shot.state in ended}
+
+    def _by_fate(self) -> dict[str, list[tuple[int, ShotSettings]]]:
+        found: dict[str, list[tuple[int, ShotSettings]]] = {}
+        for step in self._now.steps:
+            fate = what_became(step, self._now.shots.get(step.shot or ""))
+            found.setdefault(fate, []).append((step.number, step.settings))
+        return found
+
+    def _counted(self) -> str:
+        return legend({fate: len(steps) for fate, steps in self._by_fate().items()})
+
+    def _heading(self) -> None:
+        ui.html(f"<h2>Sweep {self._sweep}</h2>", sanitize=False)
+
+    def _titled(self, title: str, name: str, meaning: str) -> None:
+        with ui.element("div").classes("title"):
+            ui.label(title).tooltip(meaning)
+            ui.space()
+            save_csv(f"{self._sweep}-{name}", lambda: rows_of(self._now.impacts))
+
 
 SHOWN = 12
 

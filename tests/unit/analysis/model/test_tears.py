@@ -6,9 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from analysis.model.data.inside import without_contact_frames
+from analysis.model.data.inside import without_contact_frames, without_torn_tracks
 from analysis.model.data.poses import PoseData
-from analysis.model.data.tears import without_torn_tracks
 from analysis.model.fitting.robust_fit import robust_fit
 from tests.unit.analysis.model.hard_spheres import campaign
 
