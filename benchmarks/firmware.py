@@ -14,7 +14,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from rigctl.devices.trigger_box_lines import closed
+from rigctl.devices.trigger_box import closed
 from simulators.chip import CLOCK_HZ, Edge, SimulatedChip, build
 
 FIRMWARE = Path(__file__).parents[1] / "firmware"

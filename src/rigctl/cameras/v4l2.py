@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rigctl.cameras import v4l2_structs as v4l2
-from rigctl.cameras.pixel_formats import COMPRESSED, GREY_FORMATS
-from rigctl.cameras.v4l2_structs import Kernel, LinuxKernel, Mapping
+from rigctl.cameras.v4l2_structs import COMPRESSED, GREY_FORMATS, Kernel, LinuxKernel, Mapping
 from rigctl.config import PixelFormatName
 from rigctl.errors import (
     DeviceAbsentError,
@@ -64,7 +63,7 @@ class VideoDevice:
     rows, columns
         Size of a frame in pixels.
     pixel_format
-        What the driver is asked for (`pixel_formats`).
+        What the driver is asked for (`GREY_FORMATS`).
     input_number
         Input of a frame grabber; cameras have input 0.
     buffers

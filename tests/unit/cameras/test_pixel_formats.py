@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from rigctl.cameras.pixel_formats import GREY_FORMATS
+from rigctl.cameras.v4l2_structs import GREY_FORMATS
 from rigctl.config import PixelFormatName
 
 PADDING = 4

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rigctl.cameras import v4l2_structs as v4l2
-from rigctl.cameras.pixel_formats import code_of
+from rigctl.cameras.v4l2_structs import code_of
 
 
 class Capability(c.Structure):

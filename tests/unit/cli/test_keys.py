@@ -14,7 +14,7 @@ import pytest
 from rigctl.access.keyring import Keyring
 from rigctl.access.strength import WARNING, chosen_key, new_key, require_strong
 from rigctl.cli import BAD_INPUT, NOT_FOUND, run
-from rigctl.cli.rig.listening import listen
+from rigctl.cli.rig.serve import listen
 from rigctl.config.configuration import ServiceSection
 from rigctl.errors import ConfigurationError
 from rigctl.service.guards.origins import behind_proxy

@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 
 from rigctl.devices.roles import FireOutcome, HeartbeatWatch, OutcomeQuery, PowerQuery
 from rigctl.devices.serial_port import SerialPort
-from rigctl.devices.trigger_box import TriggerBox
-from rigctl.devices.trigger_box_lines import TriggerBoxStatus, closed, opened, status
+from rigctl.devices.trigger_box import TriggerBox, TriggerBoxStatus, closed, opened, status
 from rigctl.errors import (
     DeviceAnswerError,
     DeviceSilentError,

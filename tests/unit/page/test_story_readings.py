@@ -10,7 +10,7 @@ import pytest
 from analysis.collision.operator import Body, Encounter, Outcome, States
 from analysis.effects.effect import ContactEffect
 from rigctl.model.known_effects import ALL_EFFECTS
-from rigctl.page.model.story.readings import FAST, READINGS, SLOW, sentence_of
+from rigctl.page.model.story.lead import FAST, READINGS, SLOW, sentence_of
 
 EFFECTS = {effect.name: effect for effect in ALL_EFFECTS}
 BOUNCE = 0.74

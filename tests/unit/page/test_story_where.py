@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from rigctl.page.model.story.map import Grid
-from rigctl.page.model.story.where import Cells
+from rigctl.page.model.story.where import Cells, Grid
 
 
 def cell(channel: str, deviation: float) -> dict[str, Any]:

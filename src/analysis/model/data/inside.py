@@ -29,8 +29,10 @@ wrong, and all stay."""
 
 
 def without_torn_tracks(data: PoseData) -> PoseData:
-    """Cut each track where it leaves free flight for good.
+    """Cut each track where it leaves free flight for good, before any law sees it.
 
+    An outline that leaves its view, or is taken for another, sends a track away from free flight
+    at a stated error of micrometres (`analysis.motion.tears`).
     Single bad frames stay: whether they are is judged with the law.
     """
     seen = np.asarray(np.isfinite(data.position_sigma).any(axis=3))

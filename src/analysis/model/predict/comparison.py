@@ -43,6 +43,9 @@ from analysis.motion.rotation import rotation_vector
 def parting(sides: Flights, bodies: tuple[Body, Body], normal: Floats) -> tuple[Floats, Floats]:
     """Return durations, s, shape (S,), and their slopes by the 48 numbers, shape (S, 48).
 
+    Flights are those that leave at first touch, extrapolated; the bodies part where their surfaces
+    do on these. Hard spheres part at once.
+
     Parameters
     ----------
     normal

@@ -13,6 +13,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analysis import chi_squared
 from analysis.arrays import Floats
@@ -20,10 +21,58 @@ from analysis.model.data.stream import CampaignData
 from analysis.model.data.tables import ContactTable
 from analysis.model.fitting.fit import Fit, fit_campaign
 from analysis.model.fitting.noise import rescaled
-from analysis.model.rank.projector import Solved
-from analysis.model.structure.signature import own_cells
+from analysis.model.fitting.normal import inverse, with_prior
+from analysis.model.predict.theory import Theory
+from analysis.model.rank.projector import ColumnSums, Solved
 from analysis.model.structure.summing import Name, Summed, summed
 from analysis.setup import NO_SLOW_ERRORS, SlowErrors
+
+OWN_CELLS = 4
+"""So many cells are an effect's own: few, so that little is paid for looking."""
+
+
+def own_cells(theory: Theory, sums: Summed) -> Mapping[str, list[Name]]:
+    """Return in which cells each effect of a fit shows most, by its name.
+
+    An effect that is really there leaves nothing in these. One that only stands for something else
+    mends them in part, and what it leaves stays there.
+    """
+    chosen: dict[str, list[Name]] = {}
+    start = theory.given
+    for active in theory.active:
+        stop = start + len(active.values)
+        shown = _shown(sums, np.arange(start, stop), active.values - active.effect.off)
+        chosen[active.effect.name] = sorted(shown, key=lambda name: -shown[name])[:OWN_CELLS]
+        start = stop
+    return chosen
+
+
+def _shown(sums: Summed, own: NDArray[np.intp], shift: Floats) -> dict[Name, float]:
+    """Return the fall that each cell would bring in a fit without an effect, free of noise.
+
+    What is left there is what the effect does, less what the other parameters can imitate.
+
+    Parameters
+    ----------
+    own
+        Where the effect's parameters stand among the shared ones, shape (B,).
+    shift
+        Their values, less those where the effect is off, shape (B,).
+    """
+    others = np.setdiff1d(np.arange(len(sums.known)), own)
+    known, information = sums.known[others], sums.information[np.ix_(others, others)]
+    covariance = inverse(with_prior(information, known))
+    imitated = covariance @ (sums.information[np.ix_(others, own)] @ shift)
+
+    def without(cell: ColumnSums) -> ColumnSums:
+        left = cell.against[:, others]
+        return replace(cell, against=left, gradient=cell.against[:, own] @ shift - left @ imitated)
+
+    nothing = np.zeros(len(others))
+    return {
+        name: without(cell).solved(covariance, nothing).chi2 for name, cell in sums.cells.items()
+    }
+
 
 LEAST_ON_A_LINE = 3
 OWN_PENALTY = 3.0

@@ -30,8 +30,9 @@ LEAST_SPEED = 1e-3
 
 
 def shot_covariates(data: Data, states: ShotStates) -> dict[str, Floats]:
-    """Return every covariate of the shots, each of shape (S,).
+    """Return every covariate of the shots, each of shape (S,), taken from the prediction.
 
+    Never from the observed pose: its noise would be in the covariate and in the residual at once.
     ln v_n, ln(v_s / v_n), spins along v_t x n and along n, where the contact was (rig axes, m), and
     what the shot list holds. A table does not say where the contact was, and scalars nothing of the
     spins.

@@ -13,12 +13,10 @@ from rigctl.documents import Json
 from rigctl.page.desk import Desk
 from rigctl.page.model.effect_words import described, left_out
 from rigctl.page.model.state import Effects, ModelState
-from rigctl.page.model.story.added import changed, fell
+from rigctl.page.model.story.answers import changed, counted, error_bars, fell, law, worst_of
 from rigctl.page.model.story.cards import card_of, in_plain
 from rigctl.page.model.story.errors import Unseen, falls_to
 from rigctl.page.model.story.film import ShotFilm
-from rigctl.page.model.story.how_wrong import counted, error_bars, worst_of
-from rigctl.page.model.story.law import law
 from rigctl.page.model.story.lead import drawing, lead_card
 from rigctl.page.model.story.plots import staircase
 from rigctl.page.model.story.where import WhereItFails
