@@ -194,6 +194,7 @@ def test_what_was_seen_outlasts_a_restart_and_stands_in_a_signed_record(seen: Re
     assert checked.returncode == 0, checked.stdout + checked.stderr
 
 
+@pytest.mark.long
 def test_a_changed_configuration_asks_for_what_it_changes_alone(seen: RealRig) -> None:
     seen.end()
     seen.edit("microsteps_per_mm = 2015.75", "microsteps_per_mm = 2015.7")
@@ -218,6 +219,7 @@ def test_a_rewired_part_is_asked_for_again_and_seen_by_command(seen: RealRig) ->
     assert arm(seen).status_code == 200
 
 
+@pytest.mark.long
 def test_an_answer_that_the_store_did_not_seal_counts_for_nothing(seen: RealRig) -> None:
     seen.end()
     catalogue = sqlite3.connect(seen.folder / "data" / "catalogue.db")

@@ -137,6 +137,7 @@ def fires(folder: Path) -> int:
     return len((folder / "data/laboratory/truth/fires.jsonl").read_text().splitlines())
 
 
+@pytest.mark.long
 @needs_shell
 @pytest.mark.timeout(600)
 def test_the_tutorial_fires_two_shots_and_shows_a_frame_with_its_outlines(tmp_path: Path) -> None:
@@ -213,6 +214,7 @@ def test_the_guide_to_keeping_a_campaign_hands_one_on_and_back(tmp_path: Path) -
     assert fires(tmp_path) == 1
 
 
+@pytest.mark.long
 @needs_shell
 def test_the_guide_to_keys_gives_each_caller_its_own(tmp_path: Path) -> None:
     said = perform(KEYS, tmp_path)

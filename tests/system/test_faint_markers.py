@@ -26,7 +26,7 @@ def measured(folder: Path, reflectance: float) -> list[MeasuredShot | RefusedSho
     return [shot for _, shot, _ in done]
 
 
-@pytest.mark.parametrize("reflectance", [0.6, 0.75])
+@pytest.mark.parametrize("reflectance", [pytest.param(0.6, marks=pytest.mark.long), 0.75])
 def test_faint_markers_come_out_as_dark_as_they_are(tmp_path: Path, reflectance: float) -> None:
     shots = measured(tmp_path / "faint", reflectance)
     truths = json.loads((tmp_path / "faint" / "truth.json").read_text(encoding="utf-8"))["shots"]

@@ -15,14 +15,17 @@ from rigctl.daemon import Daemon, open_daemon
 from rigctl.errors import RigError
 from rigctl.rig.standing import AFTER_STOP
 from rigctl.settings import ShotSettings
+from tests.simulated import patient, wait_long
 
 FAR = ShotSettings(pressure_a_kpa=110.0, pressure_b_kpa=110.0, offset_mm=23.0)
-SLOW_MM_PER_S = 4.0
+SLOW_MM_PER_S = 0.5
+"""The slide would take most of a minute: a stop finds it on its way however busy the machine is."""
 LAG_S = 1.0
 
 
 @pytest.fixture
-def daemon(tmp_path: Path) -> Iterator[Daemon]:
+def daemon(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Daemon]:
+    wait_long(monkeypatch)
     configuration = load()
     assert configuration.simulation is not None
     slow = {"slide_speed_mm_per_s": SLOW_MM_PER_S, "pressure_lag_s": LAG_S}
@@ -30,7 +33,7 @@ def daemon(tmp_path: Path) -> Iterator[Daemon]:
         "store": StoreSection(folder=str(tmp_path / "data")),
         "simulation": configuration.simulation.model_copy(update=slow),
     }
-    with open_daemon(configuration.model_copy(update=changes)) as opened:
+    with open_daemon(patient(configuration.model_copy(update=changes))) as opened:
         yield opened
 
 
@@ -53,7 +56,7 @@ def test_a_stop_during_arming_halts_slide_and_pressure_and_says_so(daemon: Daemo
 
     arming = threading.Thread(target=arm)
     arming.start()
-    until(lambda: 5.0 < laboratory.state()["offset_mm"] < 15.0)
+    until(lambda: laboratory.state()["offset_mm"] > 0.2)
     daemon.rig.estop("berta", "a hand in the tube")
     assert laboratory.state()["powered"] is False
     arming.join(60.0)

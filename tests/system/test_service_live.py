@@ -117,7 +117,9 @@ REFUSED = [
 ]
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize(
+    "number", [pytest.param(signal.SIGINT, marks=pytest.mark.long), signal.SIGTERM]
+)
 def test_a_signal_in_the_middle_of_a_shot_lets_it_end_and_stores_it_and_lets_listeners_go(
     tmp_path: Path, number: signal.Signals
 ) -> None:

@@ -2,21 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from rigctl.store import Store
-
-WAITS = {
-    "rigctl.rig.stopping.estop": ("LINE_WAIT_S", "REST_WAIT_S", "WITNESS_WAIT_S"),
-    "rigctl.rig.standing": ("NOTE_WAIT_S",),
-    "rigctl.rig.machine": ("_DEVICES_WAIT_S",),
-    "rigctl.sweeps.runner": ("PAUSE_WAIT_S",),
-}
-"""Longest waits of the daemon for its own threads and lines, by module."""
+from tests.simulated import wait_long
 
 
 @pytest.fixture(autouse=True)
@@ -25,10 +17,7 @@ def patient(monkeypatch: pytest.MonkeyPatch) -> None:
 
     A test holds a line or a lock for as long as its other thread takes. One of a bound sets it.
     """
-    for module, names in WAITS.items():
-        if (loaded := sys.modules.get(module)) is not None:
-            for name in names:
-                monkeypatch.setattr(loaded, name, 60.0)
+    wait_long(monkeypatch)
 
 
 @pytest.fixture

@@ -208,7 +208,11 @@ def test_flights_become_poses_that_the_model_reads(film: Path, tmp_path: Path) -
 @pytest.mark.skipif(not DROPS.exists(), reason="films lie beside a development checkout")
 @pytest.mark.parametrize(
     ("name", "bounces", "within"),
-    [("bench1000", 1, 0.002), ("high240", 2, 0.005), ("phone60", 5, 0.02)],
+    [
+        pytest.param("bench1000", 1, 0.002, marks=pytest.mark.long),
+        ("high240", 2, 0.005),
+        pytest.param("phone60", 5, 0.02, marks=pytest.mark.long),
+    ],
 )
 def test_e_of_drawn_films_is_that_of_their_law(
     name: str, bounces: int, within: float, capsys: pytest.CaptureFixture[str]

@@ -41,6 +41,7 @@ def bounces(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.long
 def test_a_filmed_board_gives_the_lens_that_sets_the_size_of_a_ball_right(
     board: Path, bounces: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

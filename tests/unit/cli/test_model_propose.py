@@ -144,6 +144,7 @@ def test_a_file_that_states_no_form_is_refused(
         assert why in capsys.readouterr().err
 
 
+@pytest.mark.long
 def test_several_campaigns_are_asked_at_once(
     strange: Path, other: Path, together: dict[str, Any]
 ) -> None:
@@ -154,6 +155,7 @@ def test_several_campaigns_are_asked_at_once(
     assert rigctl.open(strange).propose_together(rigctl.open(other)) == together
 
 
+@pytest.mark.long
 def test_processes_read_and_ask_their_own_campaigns_with_the_same_answer(
     strange: Path, other: Path, together: dict[str, Any]
 ) -> None:

@@ -125,20 +125,19 @@ def test_a_film_that_lacks_frames_is_not_believed(tmp_path: Path, capsys: Capsys
 @pytest.mark.parametrize(
     "changes",
     [
-        lambda t: t + np.maximum(t - 84 / RATE, 0.0),
-        lambda t: t + 0.01 * np.sin(6.0 * t),
-        lambda t: t + np.maximum(t - 44 / RATE, 0.0),
-        lambda t: t + np.maximum(t - 76 / RATE, 0.0),
-        lambda t: t - 0.5 * np.maximum(t - 108 / RATE, 0.0),
-        lambda t: t + 0.2 * np.maximum(t - 68 / RATE, 0.0),
-    ],
-    ids=[
-        "half the rate at a bounce",
-        "a rate that drifts",
-        "half the rate before a bounce",
-        "half the rate after a bounce",
-        "twice the rate after a bounce",
-        "a slower rate after a bounce",
+        pytest.param(lambda t: t + 0.01 * np.sin(6.0 * t), id="a rate that drifts"),
+        pytest.param(
+            lambda t: t + np.maximum(t - 44 / RATE, 0.0), id="half the rate before a bounce"
+        ),
+        *(
+            pytest.param(change, id=name, marks=pytest.mark.long)
+            for name, change in {
+                "half the rate at a bounce": lambda t: t + np.maximum(t - 84 / RATE, 0.0),
+                "half the rate after a bounce": lambda t: t + np.maximum(t - 76 / RATE, 0.0),
+                "twice the rate after a bounce": lambda t: t - 0.5 * np.maximum(t - 108 / RATE, 0),
+                "a slower rate after a bounce": lambda t: t + 0.2 * np.maximum(t - 68 / RATE, 0.0),
+            }.items()
+        ),
     ],
 )
 def test_a_film_whose_rate_varies_without_times_is_not_believed(
@@ -171,6 +170,7 @@ def test_a_ball_that_only_turns_is_said_and_its_places_stay_whatever_its_blotche
     assert places.mean(axis=0) == pytest.approx([100.0, 60.0], abs=0.1)
 
 
+@pytest.mark.long
 def test_a_ball_that_turns_and_sways_is_seen_to_sway(tmp_path: Path, capsys: Capsys) -> None:
     _, places = turned(tmp_path, capsys, (0.6, -0.5))
     moved = places[30:].mean(axis=0) - places[:30].mean(axis=0)

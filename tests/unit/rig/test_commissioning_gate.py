@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import sqlite3
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
-from rigctl.commissioning.answers import YES, Answer, marks_of
+from rigctl.commissioning.answers import YES, Answer, Answers, marks_of
 from rigctl.commissioning.gate import Gate
 from rigctl.commissioning.steps import steps_of
 from rigctl.config import Configuration, load
+from rigctl.store import Store
 
 CONFIG = Path(__file__).parents[3] / "config"
 BOX = {"trigger": "RIGTRIG 2 2"}
@@ -120,3 +122,21 @@ def test_a_step_that_was_said_no_to_since_is_asked_for_with_what_was_seen(
     gate = Gate(pusher, seen, lambda: BOX)
     (missing,) = gate.missing()
     assert (missing.step.name, "the lamp stays on" in missing.missing) == (first.about, True)
+
+
+def test_an_answer_whose_text_was_changed_in_the_catalogue_counts_for_nothing(
+    store: Store, pusher: Configuration
+) -> None:
+    kept = Answers(store)
+    said = answers(pusher).entries[:2]
+    for each in said:
+        kept.add(each)
+    assert Answers(store).entries == said
+    with sqlite3.connect(store.path / "catalogue.db") as catalogue:
+        guards = "SELECT name FROM sqlite_master WHERE type = 'trigger' AND tbl_name = 'edits'"
+        for (name,) in catalogue.execute(guards).fetchall():
+            catalogue.execute(f"DROP TRIGGER {name}")
+        forged = "UPDATE edits SET after = replace(after, 'Anna Berg', 'Eve') WHERE subject = ?"
+        catalogue.execute(forged, (said[0].about,))
+    catalogue.close()
+    assert Answers(store).entries == said[1:]
