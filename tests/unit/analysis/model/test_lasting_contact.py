@@ -83,6 +83,7 @@ def test_the_verdict_names_it_alone_and_what_it_contains_is_offered_no_more() ->
     assert not offered & {*EFFECT.contains, EFFECT.name}
 
 
+@pytest.mark.long
 def test_torsion_on_top_of_it_is_named_by_ten_shots_as_exact_as_films() -> None:
     torsion = Nature(forces=Forces(), torsion_radius_m=8e-4, drag_coefficient=AIR)
     data = replace(filmed(torsion, 1, 10, 0.001), drag_coefficient=0.42)

@@ -86,6 +86,7 @@ def fitted(few: Path) -> RobustFit:
     return robust_fit(posed(few))
 
 
+@pytest.mark.long
 def test_law_air_and_tilt_are_those_of_the_simulated_ball(marked: Path) -> None:
     verdict = explain(posed(marked), CATALOGUE)
     assert (verdict.verdict, verdict.effects) == ("effect", ("lasting-contact",))
@@ -141,6 +142,7 @@ def test_the_air_is_as_thick_for_a_ball_that_it_slows_down_much(tmp_path: Path) 
     assert drag.value == pytest.approx(0.45, abs=0.002)
 
 
+@pytest.mark.long
 def test_a_law_that_is_far_off_makes_no_flight_look_noisy(plain: Path) -> None:
     """The drag is pulled by eighty stated errors; about it flights would scatter nine times."""
     assert robust_fit(posed(plain)).evidence.noise[0] < 1.3

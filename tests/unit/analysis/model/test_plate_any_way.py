@@ -83,7 +83,7 @@ def test_friction_makes_no_slope_of_a_level_plate(tmp_path: Path) -> None:
     ("meeting", "plate"),
     [
         (WALL, "normal = [0.0, 2.0, 0.0]"),
-        (SLOPE, ""),
+        pytest.param(SLOPE, "", marks=pytest.mark.long),
         pytest.param(CEILING, "", marks=pytest.mark.long),
     ],
 )

@@ -85,6 +85,7 @@ def verdict(world: str) -> Verdict:
     return explain(lasting_campaign(HIDDEN.get(world, PLAIN), 902, 120), CATALOGUE)
 
 
+@pytest.mark.long
 def test_a_drag_three_times_as_large_is_named_on_top_of_contacts_that_last() -> None:
     found = verdict("drag")
     assert (found.verdict, {*found.effects}) == ("effect", {"lasting-contact", "drag"})
