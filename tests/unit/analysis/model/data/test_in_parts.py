@@ -72,7 +72,7 @@ def test_fit_and_ranking_have_the_digits_of_those_in_memory(shots: int) -> None:
     assert_same_ranking(ranked(found), ranked(wanted))
 
 
-@pytest.mark.parametrize("shots", SIZES[2:])
+@pytest.mark.parametrize("shots", [40, pytest.param(300, marks=pytest.mark.long)])
 def test_bad_shots_frames_and_sigmas_are_judged_alike(shots: int) -> None:
     data = spoilt(campaign(shots, 33, LAW))
     wanted, found = both_ways(
@@ -97,6 +97,7 @@ def test_effects_are_added_alike_those_of_the_noise_too(few_at_once: None) -> No
     assert_same_fit(found.fit, wanted.fit)
 
 
+@pytest.mark.long
 def test_a_contact_that_lasts_is_found_alike(few_at_once: None) -> None:
     wanted, found = both_ways(lasting(40, 42), LASTING)
     assert wanted.fit.theory.contact_law is not None

@@ -33,10 +33,10 @@ from tests.unit.analysis.model.proposals.hidden import proposed
 @pytest.mark.parametrize(
     ("name", "amplitude"),
     [
-        ("restitution-bump", 0.008),
+        pytest.param("restitution-bump", 0.008, marks=pytest.mark.long),
         ("restitution-warm-and-fast", 0.004),
         ("attraction-power", 10.0),
-        ("restitution-step", 0.008),
+        pytest.param("restitution-step", 0.008, marks=pytest.mark.long),
     ],
 )
 def test_a_written_file_loads_and_fits_the_shots_as_the_proposal_did(

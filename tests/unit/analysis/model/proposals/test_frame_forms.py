@@ -40,7 +40,7 @@ def slowing(data: PoseData) -> PoseData:
     [
         (bent, ("camera", "contact_y"), "power", {"a": 0.3}),
         (fluttering, ("clock", "time"), "periodic", {"a": 2e-5, "b": 0.0, "f": 113.0}),
-        (slowing, ("clock", "time"), "power", {"a": 0.06}),
+        pytest.param(*(slowing, ("clock", "time"), "power", {"a": 0.06}), marks=pytest.mark.long),
     ],
     ids=["bent", "fluttering", "slowing"],
 )
