@@ -104,6 +104,7 @@ def test_a_shot_whose_frames_change_is_measured_again_alone(copied: Path) -> Non
     assert measured(rigctl.open(copied, method="thesis")) == 1
 
 
+@pytest.mark.long
 def test_another_method_or_set_up_is_another_measurement(copied: Path) -> None:
     assert measured(rigctl.open(copied, method="thesis")) == 3
     assert measured(rigctl.open(copied, method="photometric")) == 3
