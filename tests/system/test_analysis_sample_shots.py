@@ -100,6 +100,7 @@ def pair(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.long
 def test_the_command_prints_one_document_of_the_promised_form(
     pair: Path, truths: dict[int, Truth]
 ) -> None:

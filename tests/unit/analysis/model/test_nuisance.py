@@ -49,6 +49,7 @@ def test_a_drag_far_from_what_is_stated_is_an_alarm() -> None:
     assert "measure it anew" in sentence
 
 
+@pytest.mark.long
 def test_a_scale_far_from_what_is_stated_is_an_alarm() -> None:
     """Lengths 0.5 % too long where 0.05 % is stated."""
     named = {alarm.name: alarm for alarm in alarms_of(fitted(0.4, 1.005).fit)}

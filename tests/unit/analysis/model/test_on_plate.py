@@ -168,6 +168,7 @@ def test_slopes_by_a_kick_are_those_of_states_that_are_moved(plain: Path) -> Non
         assert found == pytest.approx((ahead - behind) / 2e-3, abs=1e-6)
 
 
+@pytest.mark.long
 def test_streamed_bounces_give_the_same_numbers(few: Path, fitted: RobustFit) -> None:
     memory, stream = fitted.fit, robust_fit(stream_poses(few)[1]).fit
     assert np.array_equal(memory.theory.vector, stream.theory.vector)
