@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 import threading
 import time
@@ -49,7 +50,8 @@ def patient(configuration: Configuration) -> Configuration:
             return section
         return {key: LONGEST_S.get(key, longer(value)) for key, value in section.items()}
 
-    return Configuration.model_validate(longer(configuration.model_dump(exclude_unset=True)))
+    document = longer(configuration.model_dump(mode="json"))
+    return Configuration.model_validate_json(json.dumps(document))
 
 
 def wait_long(monkeypatch: pytest.MonkeyPatch) -> None:
