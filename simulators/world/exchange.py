@@ -28,12 +28,13 @@ def write_campaign(
     frame_rate_hz: float = 1000.0,
     frames: int = 24,
     state_scale: bool = True,
+    pressures_b_kpa: Sequence[float] | None = None,
 ) -> None:
     """Write an exchange folder of rendered shots, one for each pressure and offset.
 
     `campaign.toml`, `shots.csv` and `frames/0001.tiff` on as any laboratory would hand them over,
-    and `truth.json` beside them. Both tubes get the same pressure. Without `state_scale` the
-    scale is left to be found from the images.
+    and `truth.json` beside them. Both tubes get the same pressure, unless that of b is given.
+    Without `state_scale` the scale is left to be found from the images.
 
     Raises
     ------
@@ -44,8 +45,9 @@ def write_campaign(
     (folder / "frames").mkdir(parents=True, exist_ok=True)
     truths = []
     rows = []
-    for shot, (pressure, offset) in enumerate(zip(pressures_kpa, offsets_mm, strict=True), start=1):
-        launch = Launch(pressure, pressure, offset * 1e-3)
+    settings = zip(pressures_kpa, pressures_b_kpa or pressures_kpa, offsets_mm, strict=True)
+    for shot, (pressure, pressure_b, offset) in enumerate(settings, start=1):
+        launch = Launch(pressure, pressure_b, offset * 1e-3)
         rendered = render_shot(
             description, launch, seed, frame_rate_hz=frame_rate_hz, frames=frames, shot=shot
         )
@@ -54,7 +56,7 @@ def write_campaign(
         truths.append(rendered.truth)
         time = datetime(2026, 1, 1, 9, tzinfo=UTC) + timedelta(minutes=shot - 1)
         when = time.strftime("%Y-%m-%dT%H:%M:%SZ")
-        rows.append([shot, when, pressure, pressure, offset, 1e6 * description.optics.exposure_s])
+        rows.append([shot, when, pressure, pressure_b, offset, 1e6 * description.optics.exposure_s])
     with (folder / "shots.csv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(COLUMNS)

@@ -12,6 +12,7 @@ from analysis.collision.coefficients import Impact
 from analysis.collision.operator import Body
 from analysis.errors import ShotRefusedError
 from analysis.imaging.edge.frame import EdgeSettings
+from analysis.imaging.stated_view import first_row, stated_view
 from analysis.motion.pattern import Orientations
 from analysis.motion.poses import Centres
 from analysis.scene import Scene
@@ -188,9 +189,10 @@ def analyse_shot(
     The measured shot, or a refusal with the step that failed, the frame and the reason. Nothing
     is guessed and nothing is raised for what the frames hold.
     """
-    chosen, tracking = options or AnalysisOptions(), None
+    chosen, tracking, above = options or AnalysisOptions(), None, first_row(setup.camera)
     try:
         check_frames(frames, times_s, setup)
+        frames, setup = stated_view(frames, setup)
         elapsed_s = times_s - times_s[0]
         if chosen.method == "thesis":
             edges, matching = chosen.edges or EdgeSettings(), chosen.matching or "pattern"
@@ -204,13 +206,13 @@ def analyse_shot(
         scene = Scene.of(setup, slow, float(np.median(np.diff(elapsed_s))))
         sides = measure_two_sides(poses, scene, three_and_three=chosen.three_and_three)
     except ShotRefusedError as refusal:
-        return RefusedShot(refusal.step, refusal.reason, refusal.frame, refusal.discs, tracking)
+        return _refused(refusal, tracking, above)
     return MeasuredShot(
         impact=sides.impact,
         bodies=scene.bodies,
         centres=tracking.centres,
         orientations=tracking.orientations,
-        tracking=tracking,
+        tracking=tracking.lowered(above),
         times_s=elapsed_s,
         used_before=sides.used_before,
         used_after=sides.used_after,
@@ -223,6 +225,17 @@ def analyse_shot(
         known=known,
         slow=slow,
     )
+
+
+def _refused(refusal: ShotRefusedError, tracking: Tracking | None, above: int) -> RefusedShot:
+    """Return a refusal in pixels of the whole frame, of which so many rows were not looked at."""
+    reason = refusal.reason
+    discs = tuple((row + above, column, radius) for row, column, radius in refusal.discs)
+    if discs:
+        places = ", ".join(f"({row:.0f}, {column:.0f})" for row, column, _ in discs)
+        reason += f", at (row, column) {places}"
+    shown = None if tracking is None else tracking.lowered(above)
+    return RefusedShot(refusal.step, reason, refusal.frame, discs, shown)
 
 
 def _rendered(
@@ -243,7 +256,7 @@ def _rendered(
     except ShotRefusedError as refusal:
         if refusal.step != "markers":
             raise
-        return track_unmarked(frames, setup, refusal.reason), known
+        return track_unmarked(frames, elapsed_s, setup, refusal.reason), known
 
 
 def _odd_times(times_s: Floats, setup: Setup) -> tuple[str, ...]:

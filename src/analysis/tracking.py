@@ -21,8 +21,10 @@ from analysis.imaging.edge.frame import (
 )
 from analysis.imaging.film_discs import FilmDiscs
 from analysis.imaging.film_following import FilmCurves
+from analysis.imaging.flight_hypotheses import Falling
 from analysis.imaging.radii import filter_bias, view_radii
 from analysis.imaging.refinement import Appearance, refine_outlines
+from analysis.imaging.stated_view import lowered, lowered_markers
 from analysis.imaging.tracks import Spheres
 from analysis.imaging.views import View, view_geometries
 from analysis.motion.chained import orient_by_steps
@@ -92,6 +94,14 @@ class Tracking:
     learned_alone: bool = False
     shared_px: float = 0.0
 
+    def lowered(self, rows: int) -> Self:
+        """Return the tracking with all pixels so many rows lower: those of a larger picture."""
+        if rows == 0:
+            return self
+        a, b = (lowered(sphere, rows) for sphere in self.spheres)
+        markers = tuple(lowered_markers(own, rows) for own in self.markers)
+        return replace(self, spheres=(a, b), markers=(markers[0], markers[1]))
+
 
 MOST_SCALE_CONFLICT = 0.02
 """A stated scale and the radius in the images differ by more than any shading: one is wrong."""
@@ -117,7 +127,7 @@ def track_spheres(
         With the step, the frame and the reason.
     """
     edges = film_edges(frames, settings)
-    discs, curves = followed_discs(edges, setup, LEAST_COVERAGE)
+    discs, curves = followed_discs(edges, times_s, setup, LEAST_COVERAGE)
     refuse_repeats(frames, discs)
     radii = view_radii(discs)
     rough = Sighting.of(markers_by_edges(curves, discs, radii), radii, times_s)
@@ -171,11 +181,13 @@ def film_edges(frames: Grey, settings: EdgeSettings) -> FilmEdges:
 
 
 def followed_discs(
-    edges: FilmEdges, setup: Setup, least_coverage: float
+    edges: FilmEdges, times_s: Floats, setup: Setup, least_coverage: float
 ) -> tuple[FilmDiscs, FilmCurves]:
     """Follow discs of the radii that edges or set-up give (`assignment.follow`)."""
     views, radii = view_geometries(setup.camera), _start_radii(edges, setup)
-    return follow(edges, views, radii, least_coverage=least_coverage)
+    scale = 2.0 * radii[0] / setup.spheres[0].diameter_m
+    falling = Falling(times_s, scale * setup.environment.gravity_m_per_s2)
+    return follow(edges, views, radii, falling, least_coverage=least_coverage)
 
 
 def refined_discs(

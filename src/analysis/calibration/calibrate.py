@@ -15,6 +15,7 @@ from analysis.calibration.estimate import Estimate
 from analysis.calibration.pixel_estimates import PixelEstimate, estimate, normal_equations
 from analysis.campaign import TEACHING_SHOTS, Campaign, ShotJob, read_job
 from analysis.errors import InputError, ShotRefusedError
+from analysis.imaging.stated_view import stated_view
 from analysis.motion.poses import Centres
 from analysis.motion.split import split_at_contact
 from analysis.photometric.learn.appearance import Appearance
@@ -320,7 +321,8 @@ def _setup_of(campaign: Campaign) -> Setup:
 def _frames(job: ShotJob, setup: Setup) -> Taught:
     read = read_job(job)
     check_frames(read.frames, read.times_s, setup)
-    return read.frames, read.times_s - read.times_s[0], setup
+    frames, seen = stated_view(read.frames, setup)
+    return frames, read.times_s - read.times_s[0], seen
 
 
 def _first_shots(jobs: Sequence[ShotJob], setup: Setup) -> Iterator[Taught]:

@@ -6,13 +6,17 @@ a sphere may rise into the rows of the other view, so rows alone do not tell.
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 
+from analysis.arrays import Floats
 from analysis.errors import ShotRefusedError
 from analysis.imaging.discs import Disc, discs, pair_apart, vote, vote_radii
 from analysis.imaging.edge.frame import FilmEdges, filters
 from analysis.imaging.film_discs import FilmDiscs, film_discs
-from analysis.imaging.film_following import FilmCurves, follow_discs
+from analysis.imaging.film_following import FilmCurves, Rules, follow_discs
+from analysis.imaging.flight_hypotheses import Falling, above, free_flights, guide, meeting
 from analysis.imaging.outlines import Place
 from analysis.imaging.views import View, ViewGeometry
 
@@ -23,6 +27,11 @@ LEAST_COVERAGE = 0.4
 LEAST_APART = 0.45
 """Of both radii together: two places nearer than that are one disc, voted for twice."""
 KEEP_OFF_SIGMAS = 2.5
+FEW_FRAMES = 6
+"""With both spheres: no collision is measured in fewer."""
+LARGE_STEP, LARGE_QUANTILE = 1.0, 0.75
+"""Radii from frame to frame, in most frames, beyond which nearness may take one disc for another.
+"""
 
 
 def seed_frame(
@@ -76,12 +85,11 @@ def seed_frame(
     if best is None:
         seen, k, shown = most_seen
         radii = " and ".join(f"{radius:.1f}" for radius in dict.fromkeys(radii_px))
-        places = ", ".join(f"({row:.0f}, {column:.0f})" for row, column, _ in shown)
         raise ShotRefusedError(
             "assignment",
             f"no frame shows two spheres in each of {len(views)} views with the columns of the "
             f"views in agreement; the best frame shows {seen} of {2 * len(views)} discs of "
-            f"radius {radii} px, at (row, column) {places or 'none'}",
+            f"radius {radii} px",
             k,
             shown,
         )
@@ -111,10 +119,14 @@ def follow(
     film: FilmEdges,
     views: tuple[ViewGeometry, ...],
     radii_px: tuple[float, float],
+    falling: Falling,
     *,
     least_coverage: float = LEAST_COVERAGE,
 ) -> tuple[FilmDiscs, FilmCurves]:
     """Follow both spheres in all views through all frames (`film_following.follow_discs`).
+
+    From frame to frame by nearness; where that loses them, or where they move by more than a
+    radius, by free flights that meet (`flight_hypotheses`), if these show more of them.
 
     Parameters
     ----------
@@ -133,20 +145,94 @@ def follow(
     ShotRefusedError
         No frame shows two spheres in each view.
     """
+    rules = (KEEP_OFF_SIGMAS * film.settings.sigma_px, False), least_coverage
     seed, pairs = seed_frame(film, views, radii_px)
     places = [
         [(pair[i].row, pair[i].column, radius) for pair in pairs.values()]
         for i, radius in enumerate(radii_px)
     ]
-    start = seed, np.array(places).reshape(-1, 3)
+    discs = np.array(places).reshape(-1, 3)
+    near = _followed(film, views, (seed, discs, np.empty((len(discs), 0, 2))), rules)
+    alike = len(set(vote_radii(radii_px))) == 1
+    first, second = (_first_column(near[0], i) for i in (0, 1))
+    if alike and first > second:
+        near = near[0].swapped(), near[1]
+    if not _in_large_steps(near[0], min(radii_px)):
+        return near
+    whereabouts = _by_flights(film, views, radii_px, falling)
+    if whereabouts is None:
+        return near
+    shown = np.isfinite(whereabouts[..., 0]).sum(axis=0)
+    by_flights = _followed(film, views, (int(shown.argmax()), discs, whereabouts), rules)
+    return by_flights if _both_shown(by_flights[0]) > _both_shown(near[0]) else near
+
+
+def _followed(
+    film: FilmEdges,
+    views: tuple[ViewGeometry, ...],
+    start: tuple[int, Floats, Floats],
+    rules: Rules,
+) -> tuple[FilmDiscs, FilmCurves]:
     frames = np.require(film.frames, None, ["C", "W"])
-    rules = (KEEP_OFF_SIGMAS * film.settings.sigma_px, False), least_coverage
     filtered = filters(film.settings, film.least_strength)
     curves, outlines = follow_discs(frames, filtered, start, rules)
-    discs = film_discs(tuple(pairs), outlines)
-    first, second = (_first_column(discs, i) for i in (0, 1))
-    alike = len(set(vote_radii(radii_px))) == 1
-    return (discs.swapped() if alike and first > second else discs), curves
+    return film_discs(tuple(geometry.view for geometry in views), outlines), curves
+
+
+def _in_large_steps(discs: FilmDiscs, radius_px: float) -> bool:
+    """Tell whether nearness lost the discs at once, or they move by more than a radius a frame."""
+    if _both_shown(discs) < FEW_FRAMES:
+        return True
+    front = discs.views.index(View.FRONT)
+    places, shown = discs.circles[:, front, :, :2], discs.found[:, front]
+    steps = np.hypot(*np.moveaxis(np.diff(places, axis=1), -1, 0))[shown[:, 1:] & shown[:, :-1]]
+    return bool(steps.size and np.quantile(steps, LARGE_QUANTILE) > LARGE_STEP * radius_px)
+
+
+def _both_shown(discs: FilmDiscs) -> int:
+    return int(discs.found[:, discs.views.index(View.FRONT)].all(axis=0).sum())
+
+
+def _by_flights(
+    film: FilmEdges,
+    views: tuple[ViewGeometry, ...],
+    radii_px: tuple[float, float],
+    falling: Falling,
+) -> Floats | None:
+    """Return where the discs are by flights that meet, shape (discs, frames, 2); None without."""
+    votes = vote_radii(radii_px)
+    seen = {radius: [_peaks(film, k, radius) for k in range(len(film))] for radius in set(votes)}
+    front = next(geometry for geometry in views if geometry.view is View.FRONT)
+    flights = {
+        radius: free_flights([_within(own, front) for own in every], radius, falling)
+        for radius, every in seen.items()
+    }
+    four = meeting((flights[votes[0]], flights[votes[1]]), radii_px, falling)
+    if four is None:
+        return None
+    places = np.full((2, len(views), len(film), 2), np.nan)
+    places[:, views.index(front)] = guide(four, falling)
+    for (i, pair), (v, view) in product(enumerate(four), enumerate(views)):
+        if view is front:
+            continue
+        shown = [_within(own, view) for own in seen[votes[i]]]
+        for flight in pair:
+            own = above(flight, shown, votes[i], view.origin[1] - front.origin[1], falling)
+            if own is not None:
+                places[i, v, own.frames] = own.places
+    return places.reshape(-1, len(film), 2)
+
+
+def _peaks(film: FilmEdges, k: int, radius: float) -> Floats:
+    """Return rows and columns of all discs of a radius in a frame, shape (discs, 2)."""
+    edges = film.whole(k)
+    found = discs(vote(edges.points, radius, edges.shape), LEAST_RIM_SHARE, radius)
+    return np.array([(disc.row, disc.column) for disc in found]).reshape(-1, 2)
+
+
+def _within(places: Floats, view: ViewGeometry) -> Floats:
+    rows = places[:, 0]
+    return places[(view.rows[0] <= rows) & (rows < view.rows[1])]
 
 
 def _first_column(discs: FilmDiscs, sphere: int) -> float:

@@ -121,6 +121,28 @@ def far_reach(circles: Floats, coverage: Floats, k: int, direction: int, radius:
 
 
 @part
+def expected(
+    which: tuple[int, int, int], place: Floats, seen: tuple[Floats, Floats], guide: Floats
+) -> bool:
+    """Fill where a disc is looked for in a frame; false where it is not.
+
+    Parameters
+    ----------
+    which
+        Disc, frame, and the way: 0 in the frame to begin with, 1 after it, 2 before it.
+    seen
+        Circles and coverages so far.
+    guide
+        As in `follow_discs`.
+    """
+    disc, k, way = which
+    if guide.shape[1] > 0:
+        place[0], place[1] = guide[disc, k, 0], guide[disc, k, 1]
+        return not math.isnan(place[0])
+    return way == 0 or predict(seen[0][disc], seen[1][disc], k, 3 - 2 * way, place)
+
+
+@part
 def keep_apart(found: Look, discs: Floats, fresh: NDArray[np.bool_]) -> None:
     """Take back far places that are those of discs found before."""
     circles, coverage = found[0], found[2]
@@ -232,7 +254,7 @@ def keep(found: Look, own: Indices, k: int, outlines: Outlines, size: int) -> tu
 def follow_discs(
     frames: Grey,
     filters: Filters,
-    start: tuple[int, Floats],
+    start: tuple[int, Floats, Floats],
     rules: Rules,
 ) -> tuple[FilmCurves, Outlines]:
     """Follow discs from the frame that shows them best, forth and back.
@@ -244,8 +266,10 @@ def follow_discs(
     frames
         Grey levels, shape (frames, rows, columns).
     start
-        The frame to begin with, and row, column and radius of each disc in it, pixels, shape
-        (discs, 3).
+        The frame to begin with; row, column and radius of each disc in it, pixels, shape (discs,
+        3); and row and column of each disc in every frame, shape (discs, frames, 2), not a number
+        where it is not looked for: where these are known, no motion is predicted. (discs, 0, 2)
+        where they are not.
     rules
         Distance to keep off other discs, pixels, and that radii are free; share of its limb that an
         outline shows, to be believed.
@@ -266,9 +290,9 @@ def follow_discs(
             for d in range(discs):
                 place = places[count]
                 place[2] = start[1][d, 2]
-                if way == 0 or predict(circles[d], coverage[d], k, direction, place):
+                if expected((d, k, way), place, (circles, coverage), start[2]):
                     own[count] = d
-                    if way > 0:
+                    if way > 0 and start[2].shape[1] == 0:
                         far[count] = far_reach(circles[d], coverage[d], k, direction, place[2])
                     count += 1
             if count > 0:

@@ -179,11 +179,14 @@ SHORTEST = 0.125
 MOST_ASTRAY, LEAST_TOGETHER = 0.05, 0.5
 """Share of the weight off the best rate that a robust fit bears, and that the best rate needs."""
 
+LEAST_TURNS_CHECKED = 3
+
 
 def agreeing_turns(times_s: Floats, rotations: Floats, sigma: Floats) -> NDArray[np.bool_]:
     """Return which orientations of one side of a contact agree with one rate, shape (frames,).
 
-    All of them where hardly any lies off it; none where less than half of their weight agrees.
+    All of them where hardly any lies off it; none where less than half of their weight agrees, or
+    where two agree and others contradict them: any two have a rate in common.
 
     Parameters
     ----------
@@ -193,7 +196,7 @@ def agreeing_turns(times_s: Floats, rotations: Floats, sigma: Floats) -> NDArray
         Body to rig axes, shape (frames, 3, 3).
     """
     count = len(times_s)
-    if count < 4:
+    if count < LEAST_TURNS_CHECKED:
         return np.ones(count, dtype=np.bool_)
     gate = GATE_SIGMAS * sigma + GATE_RAD
     weight = 1.0 / (sigma**2 + FINEST_RAD**2)
@@ -215,4 +218,5 @@ def agreeing_turns(times_s: Floats, rotations: Floats, sigma: Floats) -> NDArray
             share, best = float(own.max()), agree[own.argmax()]
     if share >= 1.0 - MOST_ASTRAY:
         return np.ones(count, dtype=np.bool_)
-    return best if share >= LEAST_TOGETHER else np.zeros(count, dtype=np.bool_)
+    sure = share >= LEAST_TOGETHER and best.sum() >= LEAST_TURNS_CHECKED
+    return best if sure else np.zeros(count, dtype=np.bool_)

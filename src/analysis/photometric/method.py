@@ -11,6 +11,7 @@ from analysis.arrays import Floats, Grey
 from analysis.compiled import kept_on_disk
 from analysis.errors import ShotRefusedError
 from analysis.imaging.edge.frame import noise_sd
+from analysis.imaging.stated_view import stated_view
 from analysis.photometric.follow.confirmation import shown_shares
 from analysis.photometric.follow.dead_lines import filled
 from analysis.photometric.follow.film import (
@@ -65,7 +66,8 @@ def teach(shots: Sequence[Taught]) -> Appearance | None:
     """
     known: Appearance | None = None
     films: list[Film] = []
-    for frames, times_s, setup in shots:
+    for whole, times_s, whole_setup in shots:
+        frames, setup = stated_view(whole, whole_setup)
         try:
             if known is None:
                 film, known = learned_film(frames, times_s, setup)

@@ -18,7 +18,7 @@ def test_a_mirror_that_is_left_out_does_not_change_it(
 ) -> None:
     setup = setup_of(WorldDescription())
     front = replace(setup.camera, top_view_rows=None, top_origin_px=None, scale_px_per_m=None)
-    frames = shot(pressure_kpa, offset_mm).frames
+    filmed = shot(pressure_kpa, offset_mm)
     setup = replace(setup, camera=front)
-    discs, _ = followed_discs(film_edges(frames, EdgeSettings()), setup, 0.3)
+    discs, _ = followed_discs(film_edges(filmed.frames, EdgeSettings()), filmed.times_s, setup, 0.3)
     assert view_radii(discs)[View.FRONT] == pytest.approx((RADIUS_PX, RADIUS_PX), abs=0.5)

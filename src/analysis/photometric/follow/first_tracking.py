@@ -99,7 +99,7 @@ def first_tracking(frames: Grey, times_s: Floats, setup: Setup) -> Tracking:
         With the step, the frame and the reason.
     """
     settings, noise = EdgeSettings(), noise_sd(frames)
-    discs, curves = _followed(film_edges(frames, settings), noise, setup)
+    discs, curves = _followed(film_edges(frames, settings), times_s, noise, setup)
     refuse_repeats(frames, discs)
     diameters = (setup.spheres[0].diameter_m, setup.spheres[1].diameter_m)
     radii, views = shared_radii(discs, diameters), view_geometries(setup.camera)
@@ -123,7 +123,7 @@ def first_tracking(frames: Grey, times_s: Floats, setup: Setup) -> Tracking:
     return tracking_of(refined, seen, setup, settings, filter_bias(frames, discs, settings, noise))
 
 
-def track_unmarked(frames: Grey, setup: Setup, reason: str) -> Tracking:
+def track_unmarked(frames: Grey, times_s: Floats, setup: Setup, reason: str) -> Tracking:
     """Measure where both spheres are by their outlines alone: spheres without markers have no spin.
 
     Their radii are held in the ratio of the diameters, and centres are those of the edge filter.
@@ -139,7 +139,7 @@ def track_unmarked(frames: Grey, setup: Setup, reason: str) -> Tracking:
         With the step, the frame and the reason.
     """
     settings, noise = EdgeSettings(), noise_sd(frames)
-    discs, curves = _followed(film_edges(frames, settings), noise, setup)
+    discs, curves = _followed(film_edges(frames, settings), times_s, noise, setup)
     refuse_repeats(frames, discs)
     radii = shared_radii(discs, (setup.spheres[0].diameter_m, setup.spheres[1].diameter_m))
     unmarked = Orientations.none()
@@ -154,7 +154,9 @@ def track_unmarked(frames: Grey, setup: Setup, reason: str) -> Tracking:
     )
 
 
-def _followed(edges: FilmEdges, noise: float, setup: Setup) -> tuple[FilmDiscs, FilmCurves]:
+def _followed(
+    edges: FilmEdges, times_s: Floats, noise: float, setup: Setup
+) -> tuple[FilmDiscs, FilmCurves]:
     """Follow the discs by their edges; before a scene with edges of its own, by what moves.
 
     Raises
@@ -163,11 +165,12 @@ def _followed(edges: FilmEdges, noise: float, setup: Setup) -> tuple[FilmDiscs, 
         They stand out neither by their edges, for this reason, nor by their motion.
     """
     try:
-        return followed_discs(edges, setup, LEAST_COVERAGE)
+        return followed_discs(edges, times_s, setup, LEAST_COVERAGE)
     except ShotRefusedError as plainly:
         moving = silhouettes(edges.frames, noise)
         least = gradient_threshold(noise_sd(moving), edges.settings.sigma_px)
         try:
-            return followed_discs(FilmEdges(moving, edges.settings, least), setup, LEAST_COVERAGE)
+            silhouette = FilmEdges(moving, edges.settings, least)
+            return followed_discs(silhouette, times_s, setup, LEAST_COVERAGE)
         except ShotRefusedError:
             raise plainly from None

@@ -8,8 +8,10 @@ from numpy.typing import NDArray
 from analysis.arrays import Floats
 from analysis.errors import ShotRefusedError
 from analysis.imaging.discs import Disc, pair_apart, vote_radii
+from analysis.imaging.flight_hypotheses import Falling
 from analysis.imaging.views import View
 from analysis.motion.turning import turn_between, turned
+from analysis.photometric.follow.by_flights import whereabouts_by_flights
 from analysis.photometric.follow.confirmation import confirmed
 from analysis.photometric.follow.film import Film, cost_of, others_of
 from analysis.photometric.follow.orientation_search import Found, search_orientation, turns
@@ -66,6 +68,7 @@ class Follower:
         self._candidates = turns()
         self._reels = film.reel(known, 0), film.reel(known, 1)
         self._votes: dict[int, tuple[Single, Single]] = {}
+        self._flights: Floats | None = None
 
     def run(self, times_s: Floats) -> None:
         """Fill the film's poses.
@@ -219,6 +222,9 @@ class Follower:
             here = [i for i in here if film.placed[i, k]]
             for i in here:
                 cost = self._settle(i, k, step, times_s, LOST * usual[i])
+                if k == first + step and cost > LOST * usual[i] and self._found_by_flights():
+                    self._predict(i, k, step, times_s)
+                    cost = self._settle(i, k, step, times_s, LOST * usual[i])
                 usual[i] = min(max(cost, 1.0), GROWS * usual[i])
             k += step
 
@@ -248,6 +254,23 @@ class Follower:
                     part[:] = old
         return cost
 
+    def _found_by_flights(self) -> bool:
+        """Look for the spheres by free flights that meet, in all frames at once; tell whether any.
+
+        For spheres that move by so much from frame to frame that nothing is near (`_attract`).
+        """
+        if self._flights is None:
+            film = self._film
+            every = [self._vote(k) for k in range(len(film.frames))]
+            falling = Falling(film.times_s, float(self._optics.scales[0]) * film.gravity)
+            self._flights = whereabouts_by_flights(
+                ([a for a, _ in every], [b for _, b in every]),
+                self._radii,
+                self._known.camera,
+                falling,
+            )
+        return self._flights is not None
+
     def _fit(self, i: int, k: int, limits: Floats) -> float:
         """Fit a pose; return its `film.cost`."""
         fit_frames(self._reel(i, k), np.array([k]), limits)
@@ -263,13 +286,21 @@ class Follower:
             film.centre[i, k] += share * (film.centre[i, last] - film.centre[i, before])
             turn = turn_between(film.rotation[i, before], film.rotation[i, last])
             film.rotation[i, k] = turned(share * turn, film.rotation[i, last])
+        if self._flights is not None:
+            known = np.isfinite(self._flights[i, k])
+            film.centre[i, k, known] = self._flights[i, k, known]
 
     def _has_velocity(self, i: int, k: int, step: int) -> bool:
         before = k - 2 * step
         return 0 <= before < len(self._film.frames) and bool(self._film.placed[i, before])
 
     def _attract(self, i: int, k: int) -> None:
-        """Draw a predicted centre to the discs that the frame shows near it."""
+        """Draw a predicted centre to the discs that the frame shows near it.
+
+        One that flights predict is at its disc.
+        """
+        if self._flights is not None and np.isfinite(self._flights[i, k, 0]):
+            return
         film, optics = self._film, self._optics
         votes = self._vote(k)[i]
         row, column, _ = disc_of(optics, 0, film.centre[i, k], self._looks[i].radius_m)

@@ -44,6 +44,18 @@ def test_orientations_of_which_no_half_agrees_are_none() -> None:
     assert len(agreeing(every)) == 0
 
 
-def test_three_orientations_are_too_few_to_contradict_each_other() -> None:
+def test_three_orientations_without_a_common_rate_are_none() -> None:
     turns = Rotation.random(3, random_state=1).as_matrix()
+    assert not agreeing_turns(TIMES[:3], turns, np.full(3, SIGMA)).any()
+
+
+def test_two_orientations_do_not_outvote_those_that_contradict_them() -> None:
+    turns = turning(np.random.default_rng(4)).as_matrix()
+    others = Rotation.random(2, random_state=2).as_matrix()
+    four = np.stack([turns[0], turns[1], *others])
+    assert not agreeing_turns(TIMES[:4], four, np.full(4, SIGMA)).any()
+
+
+def test_three_orientations_of_one_rate_all_count() -> None:
+    turns = turning(np.random.default_rng(5)).as_matrix()[:3]
     assert agreeing_turns(TIMES[:3], turns, np.full(3, SIGMA)).all()

@@ -1,0 +1,100 @@
+"""Flights of discs that move by several of their radii, found by motion and not by nearness."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from analysis.arrays import Floats
+from analysis.imaging.flight_hypotheses import (
+    Falling,
+    above,
+    free_flights,
+    guide,
+    meeting,
+)
+
+RADIUS, FRAMES, CONTACT = 10.0, 20, 9.4
+FALLING = Falling(np.arange(FRAMES) / 250.0, 1.2e5)
+"""Discs fall by 1.9 pixels more in every frame than in the one before."""
+TOUCH = np.array([[300.0, 390.0], [300.0, 410.0]])
+BEFORE = np.array([[0.0, 45.0], [0.0, -38.0]])
+"""Pixels a frame, of a and b: more than four radii."""
+
+
+def collision(after: Floats) -> Floats:
+    """Return the places of a and b, pixels, shape (2, frames, 2)."""
+    since = np.arange(FRAMES)[:, None] - CONTACT
+    gained = FALLING.gravity_px / 250.0**2
+    fallen = np.concatenate([0.5 * gained * since**2 + 4.0 * since, 0.0 * since], axis=1)
+    return np.stack(
+        [TOUCH[i] + fallen + since * np.where(since < 0, BEFORE[i], after[i]) for i in (0, 1)]
+    )
+
+
+def shown(paths: Floats, rng: np.random.Generator) -> list[Floats]:
+    """Return the discs of each frame, in any order and off by half a pixel, one beside them."""
+    still = np.array([[40.0, 700.0]])
+    frames = [np.concatenate([paths[:, k], still]) for k in range(FRAMES)]
+    return [rng.permutation(each) + 0.3 * rng.standard_normal(each.shape) for each in frames]
+
+
+def found(after: Floats, seed: int = 0, lost: tuple[int, ...] = ()) -> tuple[Floats, Floats]:
+    """Return true places and those that are found, shape (2, frames, 2)."""
+    paths = collision(after)
+    places = shown(paths, np.random.default_rng(seed))
+    for k in lost:
+        places[k] = places[k][:0]
+    flights = free_flights(places, RADIUS, FALLING)
+    four = meeting((flights, flights), (RADIUS, RADIUS), FALLING)
+    assert four is not None
+    return paths, guide(four, FALLING)
+
+
+def test_spheres_that_come_back_keep_their_names() -> None:
+    for seed in range(5):
+        paths, places = found(np.array([[0.0, -30.0], [0.0, 31.0]]), seed)
+        np.testing.assert_allclose(places, paths, atol=2.0)
+
+
+def test_spheres_that_exchange_their_velocities_keep_their_names() -> None:
+    # Each leaves as the other one came, a diameter beside its path.
+    paths, places = found(BEFORE[::-1].copy())
+    np.testing.assert_allclose(places, paths, atol=2.0)
+
+
+def test_a_sphere_that_is_struck_sideways_is_found_again() -> None:
+    paths, places = found(np.array([[-35.0, 5.0], [36.0, 4.0]]))
+    np.testing.assert_allclose(places, paths, atol=2.0)
+
+
+def test_frames_without_discs_are_bridged() -> None:
+    paths, places = found(np.array([[0.0, -30.0], [0.0, 31.0]]), lost=(4, 14))
+    np.testing.assert_allclose(places, paths, atol=2.0)
+
+
+def test_spheres_that_pass_far_from_each_other_do_not_meet() -> None:
+    paths = collision(BEFORE)
+    paths[1, :, 0] += 10 * RADIUS
+    flights = free_flights(shown(paths, np.random.default_rng(0)), RADIUS, FALLING)
+    assert meeting((flights, flights), (RADIUS, RADIUS), FALLING) is None
+
+
+def test_what_stands_still_is_no_flight() -> None:
+    still = [np.array([[100.0, 100.0]])] * FRAMES
+    assert not free_flights(still, RADIUS, Falling(FALLING.times_s, 0.0))
+
+
+def test_a_flight_has_its_own_discs_in_the_mirror() -> None:
+    paths = collision(np.array([[0.0, -30.0], [0.0, 31.0]]))
+    (flight, *_) = free_flights([path[None] for path in paths[0, :9]], RADIUS, FALLING)
+    columns = paths[0, :, 1] + 3.0
+    mirror = [
+        np.array([[50.0 + k, columns[k]], [80.0, columns[k]]])[:: 1 - 2 * (k % 2)]
+        for k in range(FRAMES)
+    ]
+    for k in (2, 5):
+        mirror[k] = mirror[k][mirror[k][:, 0] != 80.0]
+    own = above(flight, mirror, RADIUS, 3.0, FALLING)
+    assert own is not None
+    assert own.frames.tolist() == list(range(9))
+    np.testing.assert_allclose(own.places[:, 0], 50.0 + np.arange(9))
