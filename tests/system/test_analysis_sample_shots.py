@@ -41,10 +41,12 @@ def rms(values: list[float]) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 
+@pytest.mark.long
 def test_at_least_seven_of_eight_are_measured(measured: dict[int, MeasuredShot]) -> None:
     assert len(measured) >= 7
 
 
+@pytest.mark.long
 def test_normal_velocity_and_restitution_are_right_within_a_per_cent(
     measured: dict[int, MeasuredShot], truths: dict[int, Truth]
 ) -> None:
@@ -57,6 +59,7 @@ def test_normal_velocity_and_restitution_are_right_within_a_per_cent(
     assert rms(restitutions) < 0.01
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("name", "key", "limit"),
     [
@@ -72,6 +75,7 @@ def test_surface_velocities_and_contact_times_are_right_within_their_bounds(
     assert rms(errors) < limit
 
 
+@pytest.mark.long
 def test_no_marker_is_mixed_up_with_another(
     measured: dict[int, MeasuredShot], truths: dict[int, Truth]
 ) -> None:

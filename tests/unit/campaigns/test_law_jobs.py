@@ -64,6 +64,7 @@ def test_what_is_no_form_is_refused_with_what_is_wrong(
         done(campaigns, "second", confirm=odd)
 
 
+@pytest.mark.long
 def test_campaigns_asked_together_share_their_law(campaigns: Path) -> None:
     other = {**request("second", []), "folder": str(campaigns / "second")}
     found = done(campaigns, "first", together=[other])

@@ -65,6 +65,7 @@ def test_configuration_spheres_and_settings_are_shown(store: Store, shots: list[
     assert facts["when and by what"]["first shot accepted (UTC)"].endswith("+00:00")
 
 
+@pytest.mark.long
 def test_the_daemons_job_writes_what_the_command_writes(
     store: Store, shots: list[str], tmp_path: Path
 ) -> None:

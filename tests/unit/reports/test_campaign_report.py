@@ -157,6 +157,7 @@ def test_a_shot_that_a_person_excluded_is_named_with_the_reason(
     assert 3 not in measured_results(source).impacts.shots
 
 
+@pytest.mark.long
 def test_of_contacts_that_last_no_line_has_a_number_and_their_own_law_is_told(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

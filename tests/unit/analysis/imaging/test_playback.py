@@ -59,6 +59,7 @@ WRONGS = st.builds(
 )
 
 
+@pytest.mark.long
 @settings(max_examples=10, deadline=None)
 @example("ntsc", 0.25, 30.0, Wrong(frozenset({6, 7}), frozenset({2}))).via(
     "both fields after a lost frame show one of the lost fields"

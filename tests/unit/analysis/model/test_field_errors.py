@@ -124,6 +124,7 @@ def test_a_force_beyond_the_field_is_still_named() -> None:
     assert "drag" in named(seen_by_place(3, hidden=Hidden(drag=0.3)))
 
 
+@pytest.mark.long
 def test_fitted_parameters_are_as_far_off_as_the_field_lets_them_be() -> None:
     assert (np.sqrt((pulls(stated=False) ** 2).mean(axis=0)) > 1.4).all()
     assert np.sqrt((pulls(stated=True) ** 2).mean(axis=0)) == pytest.approx(1.0, abs=0.45)

@@ -119,8 +119,9 @@ def test_a_ball_without_markers_shows_air_and_restitution_that_falls_with_speed(
     assert np.isnan(verdict.fit.parameters()["mu"].value)
 
 
-def test_the_air_is_as_thick_for_a_ball_that_it_slows_down_much(tmp_path: Path) -> None:
-    folder = tmp_path / "light"
+@pytest.fixture(scope="module")
+def light(tmp_path_factory: pytest.TempPathFactory) -> PoseData:
+    folder = tmp_path_factory.mktemp("drops") / "light"
     write_drops(
         folder,
         LIGHT,
@@ -134,11 +135,18 @@ def test_the_air_is_as_thick_for_a_ball_that_it_slows_down_much(tmp_path: Path) 
         markers=False,
         air="drag_coefficient = 0.5\ndrag_coefficient_sigma = 0.1",
     )
-    alone = with_measured_air(posed(folder))
+    return posed(folder)
+
+
+def test_the_air_is_as_thick_for_a_ball_that_it_slows_down_much(light: PoseData) -> None:
     # With the speeds of lines beside the bounces, and one restitution for all, it is 0.441.
-    assert alone.drag_coefficient == pytest.approx(0.45, abs=0.002)
-    drag = robust_fit(posed(folder)).fit.systematics()["drag.Cd"]
+    assert with_measured_air(light).drag_coefficient == pytest.approx(0.45, abs=0.002)
+
+
+@pytest.mark.long
+def test_the_fit_finds_the_air_of_a_ball_that_it_slows_down_much(light: PoseData) -> None:
     # Along paths that the air does not bend it is 0.462.
+    drag = robust_fit(light).fit.systematics()["drag.Cd"]
     assert drag.value == pytest.approx(0.45, abs=0.002)
 
 
