@@ -24,13 +24,19 @@ from analysis.model.fitting.fit import fit_campaign
 from analysis.model.fitting.normal import prior_cost
 from analysis.model.fitting.robust_fit import RobustFit, robust_fit
 from analysis.model.predict.contact import encounter_of
-from analysis.model.proposals.acceptance import Gate, groups_of
 from analysis.model.proposals.admissible import FEWEST_SHOTS, Admitted, admitted
 from analysis.model.proposals.channels import Channels, Form, channels_of
 from analysis.model.proposals.launch_search import propose_launch
 from analysis.model.proposals.proposed import Accepted, Proposed
 from analysis.model.proposals.refine import Refitted, Rival, ScoredForm, with_free_constants
-from analysis.model.proposals.rivals import apart, least_beside, rivals_of, score_groups
+from analysis.model.proposals.rivals import (
+    Gate,
+    apart,
+    groups_of,
+    least_beside,
+    rivals_of,
+    score_groups,
+)
 from analysis.model.proposals.screen import contact_forms, screened
 from analysis.model.rank.candidate import Ranking
 from analysis.model.rank.leaders import FIRST_LEVEL, LATER_LEVEL, Leader, in_order
