@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
+import pytest
 
 from analysis.results.campaign import Results, results
 from analysis.results.tables import tables
@@ -31,12 +32,14 @@ def test_the_two_lines_are_no_law_of_contacts_that_last() -> None:
     assert "beta0" not in found.whole_fit
 
 
-def test_the_law_of_contacts_that_last_stands_beside_with_true_errors() -> None:
+@pytest.mark.parametrize(
+    "seed", [1, *(pytest.param(seed, marks=pytest.mark.long) for seed in (2, 3))]
+)
+def test_the_law_of_contacts_that_last_stands_beside_with_true_errors(seed: int) -> None:
     truth = {"e": 0.74, "mu": 0.08, "lasting-contact.kappa": 0.15, "lasting-contact.zeta": 0.05}
-    for seed in (1, 2, 3):
-        for name, value in truth.items():
-            found = report(LASTING, seed).whole_fit[name]
-            assert abs(found.value - value) < 3.5 * found.sigma, name
+    for name, value in truth.items():
+        found = report(LASTING, seed).whole_fit[name]
+        assert abs(found.value - value) < 3.5 * found.sigma, name
 
 
 def test_the_mean_restitution_errs_as_much_as_it_says() -> None:
