@@ -114,6 +114,16 @@ def test_axe_finds_nothing_nothing_scrolls_sideways_and_focus_is_seen_on_any_scr
     assert not [caption for caption in captions if re.fullmatch(r"[+−]0(\.0)? ms", caption)]
 
 
+def test_dark_or_light_is_kept_from_page_to_page(page: Page, served: Served) -> None:
+    page.emulate_media(color_scheme="light")
+    for look, other in (("dark", "light"), ("light", "dark")):
+        page.get_by_role("button", name="dark or light").click()
+        expect(page.locator(f"body.body--{look}")).to_be_attached()
+        page.goto(f"{served.url}/shots")
+        expect(page.locator(f"body.body--{look}")).to_be_attached()
+        expect(page.locator(f"body.body--{other}")).not_to_be_attached()
+
+
 def test_axe_finds_nothing_on_the_page_of_a_model(page: Page, served: Served) -> None:
     folder = known_challenge(served)
     page.goto(f"{served.url}/model?folder={quote(str(folder))}&view=tables")

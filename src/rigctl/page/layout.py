@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from html import escape
 
 from nicegui import events, ui
@@ -41,6 +42,8 @@ new MutationObserver(
 """
 """Marks the page while the page library says, in a window that is not shown, that it has no
 connection."""
+LOOK, DARK, YEAR_S = "rigctl-look", "dark", 31_536_000
+"""The cookie that keeps dark or light."""
 DANGEROUS = frozenset({RigState.ARMED, RigState.FIRING, RigState.CAPTURING})
 
 
@@ -50,7 +53,7 @@ def sheet(desk: Desk, title: str, place: str) -> Iterator[Rail]:
     desk.prepare()
     ui.page_title(f"{title} · rigctl")
     status = desk.daemon.rig.status()
-    dark = ui.dark_mode(None)
+    dark = ui.dark_mode(_chosen_look())
     with ui.header().classes("top deaf") as header:
         ui.label("rigctl").classes("brand")
         ui.label(title).classes("on-page").props("aria-hidden=true")
@@ -71,7 +74,7 @@ def sheet(desk: Desk, title: str, place: str) -> Iterator[Rail]:
             if status.simulated
             else f"{status.name}: real spheres fly, keep clear of the tubes"
         )
-        contrast = ui.button(icon="contrast", on_click=lambda: _turn(dark), color=None)
+        contrast = ui.button(icon="contrast", on_click=partial(_turn, dark), color=None)
         contrast.props('flat round dense aria-label="dark or light"').classes("quiet contrast")
         contrast.tooltip("dark or light")
         guide = ui.button(icon="help_outline", on_click=lambda: switch(shown=True), color=None)
@@ -110,9 +113,19 @@ async def _on_key(desk: Desk, event: events.KeyEventArguments) -> None:
         await desk.stop("the page's key")
 
 
-def _turn(dark: ui.dark_mode) -> None:
-    """Turn dark and light about; what the browser prefers counts until then."""
-    dark.set_value(not dark.value)
+def _chosen_look() -> bool | None:
+    """Return whether this browser was turned dark; None: what it prefers counts."""
+    request = ui.context.client.request
+    chosen = request.cookies.get(LOOK) if request is not None else None
+    return None if chosen is None else chosen == DARK
+
+
+async def _turn(dark: ui.dark_mode) -> None:
+    """Turn dark and light about, and keep the choice in the browser for all pages."""
+    turned = not await ui.run_javascript("document.body.classList.contains('body--dark')")
+    dark.set_value(turned)
+    kept = f"{LOOK}={DARK if turned else 'light'}; path=/; max-age={YEAR_S}; SameSite=Strict"
+    ui.run_javascript(f"document.cookie = '{kept}'")
 
 
 def _hear_once_connected(part: ui.element) -> None:

@@ -76,8 +76,10 @@ def _of_shots(data: PoseData, fit: Fit, chosen: NDArray[np.bool_]) -> list[Predi
     some, own = data.of_shots(chosen), fit.with_states(fit.states.of_shots(chosen))
     states = with_free_outcomes(some, own).fit.states
     predicted = predict(some, states, fit.theory).position
-    seen = np.isfinite(some.position_sigma).all(axis=-1, keepdims=True)
-    measured = np.where(seen, some.position, np.nan)
+    # Along a direction that no view shows the spheres are where the model has them.
+    seen = np.isfinite(some.position_sigma)
+    placed = np.where(seen, some.position, predicted)
+    measured = np.where(seen.any(axis=-1, keepdims=True), placed, np.nan)
     return [
         PredictedPaths(
             shot=int(number),

@@ -24,6 +24,7 @@ TOOLS = {
     ],
     "displayModeBar": "hover",
 }
+CLEAR = "rgba(0,0,0,0)"
 LABELS = {"ticklabeloverflow": "allow"}
 """The margins hold the labels; to find out whether each is cut off costs as much as a heat map."""
 STRUCTURE = [[0.0, "#F6F1EC"], [0.25, "#F7D9C4"], [0.7, FAILS], [1.0, "#7A3300"]]
@@ -42,8 +43,10 @@ def figure(data: Sequence[Json], height: int, file_name: str, **layout: object) 
         "layout": {
             "height": height,
             "margin": {"l": 56, "r": 12, "t": 12, "b": 44},
-            "paper_bgcolor": "rgba(0,0,0,0)",
-            "plot_bgcolor": "rgba(0,0,0,0)",
+            "paper_bgcolor": CLEAR,
+            "plot_bgcolor": CLEAR,
+            # By itself the bar would be half as opaque as the paper is black.
+            "modebar": {"bgcolor": CLEAR},
             "font": {"family": 'Inter, system-ui, "Segoe UI", Roboto, sans-serif', "size": 12},
             "showlegend": False,
             "hovermode": "closest",

@@ -68,3 +68,19 @@ def test_any_shot_is_asked_for_by_its_number(data: PoseData, fit: Fit) -> None:
     shown = {paths_document(data, fit, int(number))[0]["shot"] for number in data.shots}
     assert shown == set(map(int, data.shots))
     assert paths_document(data, fit, int(data.shots.max()) + 1) == []
+
+
+def test_a_direction_that_no_view_shows_leaves_the_others_measured(
+    data: PoseData, fit: Fit
+) -> None:
+    sigma = np.broadcast_to(data.position_sigma, data.position.shape).copy()
+    sigma[..., 2] = np.inf
+    for shown, whole in zip(
+        predicted_paths(replace(data, position_sigma=sigma), fit),
+        predicted_paths(data, fit),
+        strict=True,
+    ):
+        assert np.isfinite(shown.measured).all()
+        assert np.array_equal(shown.measured[..., 2], shown.predicted[..., 2])
+        assert shown.gap < 15 * np.median(data.position_sigma)
+        assert whole.gap > 0
