@@ -37,6 +37,9 @@ class AgreementRow:
         Root mean square of that error in `unit`, and what the noise alone makes of it.
     p_value, p_familywise
         Chance of as large a chi2 by noise alone, and with all lines of the table looked at.
+    shared
+        Whether it still disagrees without the two shots with the largest share, which may err by
+        themselves; true where it is not made up of shots.
     """
 
     quantity: str
@@ -50,6 +53,7 @@ class AgreementRow:
     floor: NotNegative
     p_value: Chance
     p_familywise: Chance
+    shared: bool = True
 
 
 @dataclass(frozen=True, slots=True, config=STRICT)

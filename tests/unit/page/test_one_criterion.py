@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -43,7 +44,7 @@ def fits(draw: st.DrawFn, added: tuple[str, ...]) -> Json:
             {
                 "quantities": [
                     {"quantity": "spin", "p_familywise": draw(chance), "error": 1.8}
-                    | {"size": 0.01, "unit": "rad/s"}
+                    | {"size": 0.01, "unit": "rad/s", "shared": draw(st.booleans())}
                     for _ in range(2)
                 ]
             }
@@ -131,3 +132,16 @@ def test_the_verdict_of_the_whole_way_holds_for_its_own_effects_alone() -> None:
     concluded = reported(verdict="effect", effects=["drag"], alias_set=["drag"])
     assert standing_of([found], concluded).word is Word.UNEXPLAINED
     assert standing_of([found, found | {"with": ["drag"]}], concluded).word is Word.FLOOR
+
+
+@pytest.mark.parametrize(
+    ("shots", "shared", "word"),
+    [(14, False, Word.UNSURE), (14, True, Word.UNEXPLAINED), (9, True, Word.UNSURE)],
+)
+def test_what_two_shots_carry_is_not_said_to_be_missing(
+    shots: int, shared: bool, word: Word
+) -> None:
+    row = {"quantity": "tangential velocity", "p_familywise": 0.003, "shared": shared}
+    found: Json = {"shots": shots, "prediction_error": 1.02, "with": ["lasting-contact"]}
+    found |= {"stages": [{"quantities": [row]}], "cells": [], "findings": [], "candidates": []}
+    assert standing_of([found]).word is word

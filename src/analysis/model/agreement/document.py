@@ -179,6 +179,7 @@ def _row(row: Row) -> AgreementRow:
         floor=row.floor,
         p_value=max(row.p_value, SMALLEST_P),
         p_familywise=max(row.p_holm, SMALLEST_P),
+        shared=row.shared,
     )
 
 

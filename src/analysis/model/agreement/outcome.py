@@ -114,7 +114,8 @@ def _row(
     taken = theory_covariance @ np.einsum("sgp,sgq->pq", response, response)
     count = change.size
     spread = Spread.less(count, taken)
-    chi2, (quantity, unit) = float((white**2).sum()), title
+    by_shot, (quantity, unit) = (white**2).sum(axis=(1, 2)), title
+    chi2 = float(by_shot.sum())
     scale = 1e3 if unit == "mm/s" else 1.0
     return Row(
         quantity=quantity,
@@ -127,4 +128,5 @@ def _row(
         sampling=float(np.sqrt(0.5 / count)),
         size=scale * root_mean(float((left_out**2).sum()), count),
         floor=scale * root_mean(float(np.trace(covariance, axis1=1, axis2=2).sum()), count),
+        p_rest=spread.p_rest(by_shot),
     )

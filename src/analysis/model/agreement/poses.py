@@ -147,7 +147,7 @@ def sides(sums: Projector, before: Mask) -> Sides:
 def fitted_row(before: Side, group: Group, sigma: Floats) -> Row:
     """Return how the frames before contact fit each other, sigma of shape (S, N)."""
     own, mask = before.at(group.numbers), group.mask[:, group.numbers]
-    residual = own.residual[mask]
+    residual, by_shot = own.residual[mask], (own.residual**2 * mask).sum(axis=1)
     chi2, spread = float(residual @ residual), hat_spread(own, mask)
     unit, scale = UNITS[group.kind]
     sigma = scale * sigma[group.mask]
@@ -163,6 +163,7 @@ def fitted_row(before: Side, group: Group, sigma: Floats) -> Row:
         sampling=spread.sampling,
         size=root_mean(float(((residual * sigma) ** 2).sum()), residual.size),
         floor=root_mean(float((kept * sigma**2).sum()), residual.size),
+        p_rest=spread.p_rest(by_shot),
     )
 
 
@@ -180,9 +181,8 @@ def predicted_row(split: Sides, group: Group, sigma: Floats) -> Row:
         inner = np.swapaxes(pull, 1, 2) @ solve_blocks(whole, pull)
         return np.asarray(np.swapaxes(columns, 1, 2) @ columns - inner)
 
-    chi2, left_out = (
-        float(product(part[..., None]).sum()) for part in (split.missed, split.left_out)
-    )
+    by_shot = product(split.missed[..., None]).sum(axis=(1, 2))
+    chi2, left_out = float(by_shot.sum()), float(product(split.left_out[..., None]).sum())
     taken = split.before.covariance @ product(split.by_theory).sum(axis=0)
     spread = Spread.less(float(group.mask.sum()), taken)
     reached = solve_blocks(information, np.swapaxes(own, 1, 2))
@@ -201,6 +201,7 @@ def predicted_row(split: Sides, group: Group, sigma: Floats) -> Row:
         sampling=float(np.sqrt(0.5 / count)),
         size=root_mean(float(((missed * sigma) ** 2).sum()), count),
         floor=root_mean(float((variance[mask] * sigma**2).sum()), count),
+        p_rest=spread.p_rest(by_shot),
     )
 
 

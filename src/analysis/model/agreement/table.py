@@ -10,8 +10,11 @@ import numpy as np
 from analysis import chi_squared
 from analysis.arrays import Floats
 from analysis.model.fitting.noise import NoiseScale
+from analysis.model.structure.alarm import UNEXPLAINED_LEVEL
 from analysis.model.structure.lackoffit import holm
 from analysis.model.verdict.crossvalidation import PredictionError
+
+CARRIERS = 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +51,16 @@ class Spread:
         """Degrees of freedom of that distribution."""
         return 2 * self.mean**2 / self.variance
 
+    def p_rest(self, by_shot: Floats) -> float:
+        """Return the chance of what a sum over shots (S,) is without its `CARRIERS` largest.
+
+        Of the others mean and variance are in proportion. That the largest are out makes it larger
+        than it is: no finding of few shots comes through.
+        """
+        rest = np.sort(by_shot)[:-CARRIERS]
+        share = rest.size / max(by_shot.size, 1)
+        return Spread(self.mean * share, self.variance * share).p_value(float(rest.sum()))
+
 
 @dataclass(frozen=True, slots=True)
 class Row:
@@ -70,6 +83,9 @@ class Row:
         missing.
     size, floor
         Root mean square of that error in `unit`, and what the noise alone makes of it.
+    p_rest
+        Chance of what the others leave where the two shots with the largest share are out; None
+        where it is not made up of shots.
     """
 
     quantity: str
@@ -82,7 +98,13 @@ class Row:
     sampling: float
     size: float
     floor: float
+    p_rest: float | None = None
     p_holm: float = 1.0
+
+    @property
+    def shared(self) -> bool:
+        """Whether it still disagrees without two of its shots, which may err by themselves."""
+        return self.p_rest is None or self.p_rest < UNEXPLAINED_LEVEL
 
 
 @dataclass(frozen=True, slots=True)

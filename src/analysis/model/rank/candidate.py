@@ -104,6 +104,8 @@ class Ranking:
         sorted.
     noise_scale
         Root of chi-squared per degree of freedom of the fit, by which sigmas were multiplied.
+    freedom
+        Degrees of freedom of the fit.
     """
 
     candidates: tuple[Candidate, ...]
@@ -111,6 +113,7 @@ class Ranking:
     imitated: Floats
     chance: Floats
     noise_scale: float
+    freedom: int
 
     def threshold(self, level: float) -> float:
         """Return what p over weight is below in a share `level` of campaigns without an effect."""

@@ -79,7 +79,7 @@ def rank(data: CampaignData, fit: Fit, effects: Sequence[Effect], seed: int = 0)
     trial = JitterTrial(data) if scatters and data.jitter_s == 0 else None
     scale = float(np.sqrt(max(fit.chi2_per_dof, 1e-12)))
     if not wanted and not scatters:
-        return Ranking((), np.zeros((0, 0)), np.zeros((0, 0)), np.ones(DRAWS), scale)
+        return Ranking((), np.zeros((0, 0)), np.zeros((0, 0)), np.ones(DRAWS), scale, fit.freedom)
     shifts = _shifts((data, fit), wanted, scale, None if trial is None else trial.add)
     rng = np.random.default_rng(seed)
     smallest = smallest_by_chance(shifts.sums.matrix, shifts.blocks, shifts.weights, rng)
@@ -92,7 +92,7 @@ def rank(data: CampaignData, fit: Fit, effects: Sequence[Effect], seed: int = 0)
     scored = [_with_familywise(c, smallest) for c in chosen]
     order = sorted(range(len(scored)), key=lambda k: (not scored[k].seen, -scored[k].delta_chi2))
     ranked = tuple(scored[k] for k in order)
-    return Ranking(ranked, *_likeness(shifts, order), np.sort(smallest), scale)
+    return Ranking(ranked, *_likeness(shifts, order), np.sort(smallest), scale, fit.freedom)
 
 
 def _suitable(data: CampaignData, effects: Sequence[Effect]) -> list[Effect]:

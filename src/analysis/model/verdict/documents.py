@@ -28,7 +28,10 @@ from analysis.schema.verdict import (
 )
 
 SHOWN_ALIAS = 0.9
-"""Effects whose traces in the residuals correlate more than this are named as alike."""
+"""Effects whose traces in the residuals correlate more than this are named as alike,"""
+SHOWN_APART, PROMISE_ERRS = 0.1, 0.02
+"""unless one leaves more than the other by the first share of the noise, and by the second of the
+promised fall, which is not exact: these shots distinguish them."""
 
 
 def fit_document(title: str, names: Sequence[str], found: Accounted) -> Json:
@@ -158,10 +161,12 @@ def ranked_candidates(ranked: Ranking) -> list[RankedCandidate]:
 
 def alike(ranked: Ranking, k: int) -> list[str]:
     """Return the effects that these shots do not tell from the candidate in place k."""
+    own = ranked.candidates[k].delta_chi2
+    most = max(SHOWN_APART * ranked.freedom / ranked.noise_scale**2, PROMISE_ERRS * own)
     return [
         other.effect.name
         for j, other in enumerate(ranked.candidates)
-        if j != k and ranked.aliases[k, j] > SHOWN_ALIAS
+        if j != k and ranked.aliases[k, j] > SHOWN_ALIAS and abs(other.delta_chi2 - own) < most
     ]
 
 

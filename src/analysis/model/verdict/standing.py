@@ -86,11 +86,14 @@ def standing_of(path: Sequence[Json], concluded: VerdictReport | None = None) ->
     strong = strong_effects(found)
     fails, left = failing_rows(found), left_cells(found)
     shared = [cell for cell in left if cell["shared"]]
-    if not (shared or strong) and (fails or left) and found["shots"] <= FEW:
-        return Standing(Word.UNSURE)
+    much = fails or (left and found["prediction_error"] > AT_THE_FLOOR)
+    if not (shared or strong):
+        few = found["shots"] <= FEW and bool(fails or left)
+        if few or (much and not any(row.get("shared", True) for row in fails)):
+            return Standing(Word.UNSURE)
     if strong:
         return Standing(Word.MISSING, _names(strong), _pair(strong[0], _names(strong)))
-    if fails or (left and found["prediction_error"] > AT_THE_FLOOR):
+    if much:
         return Standing(Word.UNEXPLAINED)
     pair = _added_pair(path)
     return Standing(Word.FLOOR) if pair is None else Standing(Word.ALIKE, tell=pair)

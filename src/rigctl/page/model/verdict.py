@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from nicegui import ui
 
 from analysis.model.fitting.nuisance_words import alarm_sentences
-from analysis.model.structure.influence import FEW
 from analysis.model.verdict.standing import (
     SURE,
     Standing,
@@ -205,8 +204,8 @@ def _still(added: str, what: str = "something") -> str:
 
 def _of_single_shots(where: str) -> str:
     return (
-        f"what stands out, {where}, may be errors of single shots. More than {FEW} shots at "
-        "several pressures and offsets would tell."
+        f"what stands out, {where}, may be errors of single shots. More shots at several "
+        "pressures and offsets would tell."
     )
 
 

@@ -188,3 +188,22 @@ def test_a_law_that_is_far_off_alarms_neither_flight_nor_camera() -> None:
     )
     assert kstest(p_values.ravel(), "uniform").pvalue > 1e-3
     assert p_values.min() > 1e-4
+
+
+def test_what_one_shot_carries_is_not_shared_and_what_all_do_is() -> None:
+    data = campaign(20, 9400)
+    fit = fit_campaign(data)
+    late = np.maximum(data.times_s - fit.states.time_s[:, None], 0.0)[..., None]
+    push = 0.02 * late * fit.states.normal[:, None]
+
+    def pushed(shots: slice) -> Row:
+        moved = np.zeros_like(data.position)
+        moved[shots] = np.stack([-push, push], axis=2)[shots]
+        found = agreement_of(replace(data, position=data.position + moved))
+        return row_of(found, "after contact", "normal velocity")
+
+    one, every_third = pushed(slice(4, 5)), pushed(slice(None, None, 3))
+    assert one.p_value < 1e-6
+    assert not one.shared
+    assert every_third.p_value < 1e-6
+    assert every_third.shared

@@ -7,8 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from analysis.effects.catalogue import CATALOGUE
 from analysis.model.fitting.fit import fit_campaign
 from analysis.model.rank.ranking import rank
+from analysis.model.verdict.documents import alike
 from tests.unit.analysis.model.chosen import EFFECTS, chosen
 from tests.unit.analysis.model.hard_spheres import Hidden, campaign
 
@@ -78,3 +80,25 @@ def test_when_every_effect_is_in_the_fit_there_is_nothing_to_rank() -> None:
     ranking = rank(data, fit_campaign(data, fit.theory.with_effect(scale), fit), [scale])
     assert ranking.candidates == ()
     assert ranking.aliases.shape == (0, 0)
+
+
+def test_effects_that_leave_unlike_errors_are_not_called_alike() -> None:
+    data = campaign(40, 6, hidden=Hidden(slope=0.03))
+    ranking = rank(data, fit_campaign(data), CATALOGUE)
+    like = alike(ranking, 0)
+    assert "restitution-plastic" in like
+    place = next(
+        k for k, one in enumerate(ranking.candidates) if one.effect.name == "restitution-plastic"
+    )
+    strong = replace(ranking, freedom=1000, noise_scale=2.0)
+
+    def named(fall: float, rival: float) -> bool:
+        given = [replace(one, delta_chi2=fall) for one in strong.candidates]
+        given[place] = replace(given[place], delta_chi2=rival)
+        return "restitution-plastic" in alike(replace(strong, candidates=tuple(given)), 0)
+
+    # A tenth of the noise of 1000 degrees of freedom is 25 where the noise is found twice as large.
+    assert named(700.0, 680.0)
+    assert not named(700.0, 670.0)
+    # A large promise is not exact to that.
+    assert named(70_000.0, 69_000.0)

@@ -167,9 +167,14 @@ def compared(found: Json, standing: Standing | None = None) -> str:
             f"{len(failing(found))} quantities the {channel(worst['quantity'])} {rest} out, by "
             f"{sized(worst)}: {worst['error']:.3g} times its noise."
         )
+    rest = (
+        "so this is no noise"
+        if any(row.get("shared", True) for row in wrong)
+        else "but hardly without its two worst shots, which may err by themselves"
+    )
     return (
         f"The model gets the {channel(worst['quantity'])} wrong by {sized(worst)}: "
-        f"{worst['error']:.3g} times the noise, so this is no noise."
+        f"{worst['error']:.3g} times the noise, {rest}."
     )
 
 
