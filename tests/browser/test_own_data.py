@@ -73,6 +73,10 @@ def test_a_film_is_dropped_measured_and_handed_back(page: Page, served: Served) 
     names = zipfile.ZipFile(io.BytesIO(campaign.body())).namelist()
     assert {"campaign/campaign.toml", "campaign/poses.csv"} <= set(names)
     assert faults(page) == []
+    # Who comes back finds the film, and what was measured of it.
+    page.goto(f"{served.url}/own")
+    page.get_by_test_id("brought-before").get_by_role("link", name="bounce.mp4").first.click()
+    expect(page.get_by_test_id("own-bounces").locator("tbody tr")).to_have_count(2)
 
 
 @pytest.mark.long

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import re
 import secrets
 import shutil
 import zipfile
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import IO
 
 from analysis.balls.films.reading import FILM_SUFFIXES, PHOTRON_SUFFIXES
+from rigctl.documents import Json
 from rigctl.errors import AnalysisInputError
 from rigctl.page.model.source import LOOKED_AT
 
@@ -24,6 +27,7 @@ ARCHIVE = ".zip"
 PICTURES = (".png", ".tif", ".tiff")
 FRAMES = "frames"
 TABLES = (".csv", ".tsv")
+MOST_LISTED = 12
 MEASURED = "measured"
 """Folder of what comes of it."""
 FIGURE, RESULT, CAMPAIGN = "bounces", "result", "campaign"
@@ -67,6 +71,30 @@ class Brought:
     def token(self) -> str:
         """Its name in addresses."""
         return self.folder.name
+
+    @property
+    def name(self) -> str:
+        """What was dropped, in a few words."""
+        if self.films:
+            more = f" and {len(self.films) - 1} more" if len(self.films) > 1 else ""
+            return f"{self.films[0].name}{more}"
+        return (self.table or self.campaign or self.folder).name
+
+    def results(self) -> dict[int, Json]:
+        """Return what was measured of the films before, by their place."""
+        kept = self.folder / MEASURED
+        paths = ((k, kept / f"{RESULT}-{k + 1}.json") for k in range(len(self.films)))
+        return {k: json.loads(path.read_text("utf-8")) for k, path in paths if path.is_file()}
+
+
+def brought_before(store: Path) -> list[Brought]:
+    """Return what was brought last, the latest first; what is unreadable is left out."""
+    places = sorted((store / FOLDER).glob("*/"), key=lambda p: p.stat().st_mtime, reverse=True)
+    found = []
+    for place in places[:MOST_LISTED]:
+        with suppress(AnalysisInputError):
+            found.append(known(store, place.name))
+    return found
 
 
 def new_place(store: Path) -> Path:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Sequence
 
 from nicegui import ui
 
@@ -13,7 +14,15 @@ from rigctl.page.desk import Desk
 from rigctl.page.layout import TICK_S, sheet
 from rigctl.page.model.source import Source
 from rigctl.page.model.state import Question
-from rigctl.page.own.brought import CAMPAIGN, FIGURE, MEASURED, RESULT, Brought, known
+from rigctl.page.own.brought import (
+    CAMPAIGN,
+    FIGURE,
+    MEASURED,
+    RESULT,
+    Brought,
+    brought_before,
+    known,
+)
 from rigctl.page.own.dropping import SHOWN_AT, drop_field
 from rigctl.page.own.look import FUNCTIONS, LookPanel
 from rigctl.page.own.marks import diameter_by_line, scale_words, unlike_words, window_of
@@ -116,7 +125,7 @@ class FilmView:
     def __init__(self, desk: Desk, brought: Brought) -> None:
         self._desk, self._brought = desk, brought
         self._measuring = 0
-        self._results: dict[int, Json] = {}
+        self._results = brought.results()
         self._failures: dict[int, str] = {}
         self._measure = Question(self._ask_measure, desk.daemon.jobs.job)
         with ui.element("div").classes("columns own"):
@@ -215,6 +224,7 @@ def own_pages(desk: Desk) -> None:
             ).classes("note")
             if not brought:
                 _drop()
+                _before(brought_before(desk.daemon.store.path))
                 return
             try:
                 found = known(desk.daemon.store.path, brought)
@@ -237,6 +247,20 @@ def _drop() -> None:
             for kind in KINDS:
                 ui.html(kind, sanitize=False, tag="li")
         drop_field()
+
+
+def _before(found: Sequence[Brought]) -> None:
+    """List what was brought before, each with its address."""
+    if not found:
+        return
+    with ui.element("section").classes("panel").props("data-testid=brought-before"):
+        ui.html("Brought before", sanitize=False, tag="h3").classes("card-heading")
+        with ui.element("ul").classes("chain"):
+            for one in found:
+                with ui.element("li"):
+                    ui.link(one.name, f"{SHOWN_AT}?brought={one.token}")
+                    if measured := len(one.results()):
+                        ui.label(f"{measured} measured").classes("note")
 
 
 def _campaign(desk: Desk, found: Brought) -> None:
