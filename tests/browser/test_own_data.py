@@ -215,6 +215,30 @@ def test_what_is_no_film_is_refused_in_words(page: Page, served: Served) -> None
 
 
 @pytest.mark.long
+def test_pictures_without_a_frame_rate_are_measured_once_it_is_stated(
+    page: Page, served: Served
+) -> None:
+    pictures = []
+    for number in range(4):
+        grey = np.full((60, 80), 40, np.uint8)
+        cv2.circle(grey, (40, 20 + 5 * number), 12, 210, -1)
+        kept = cv2.imencode(".png", grey)[1].tobytes()
+        pictures.append({"name": f"{number}.png", "mimeType": "image/png", "buffer": kept})
+    page.goto(f"{served.url}/own")
+    page.wait_for_function("window.did_handshake")
+    page.locator("input[type=file]").set_input_files(pictures)
+    expect(page.get_by_test_id("own-film")).to_contain_text(
+        "the file states no frame rate", timeout=FIRST_USE_MS
+    )
+    page.get_by_test_id("ball-diameter-mm").fill("40")
+    expect(page.get_by_test_id("no-rate")).to_be_visible()
+    expect(page.get_by_test_id("own-measure")).to_be_disabled()
+    page.get_by_test_id("fps").fill("100")
+    expect(page.get_by_test_id("own-measure")).to_be_enabled()
+    expect(page.get_by_test_id("no-rate")).to_have_count(0)
+
+
+@pytest.mark.long
 def test_several_films_are_measured_and_one_that_is_none_is_named(
     page: Page, served: Served
 ) -> None:

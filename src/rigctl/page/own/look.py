@@ -55,6 +55,11 @@ class LookPanel:
         answer = self._look.answer
         return None if answer is None else (answer["columns"], answer["rows"])
 
+    @property
+    def unrated(self) -> bool:
+        """Whether the file is known to state no frame rate."""
+        return self._look.answer is not None and not self._look.answer["rate_hz"]
+
     def follow(self) -> None:
         """Show what has been answered since."""
         if self._look.follow():
@@ -64,6 +69,7 @@ class LookPanel:
                 self._rings.start()
             self._head.refresh()
             self._picture.refresh()
+            self._on_marks()
         if self._rings.follow() and self.marks.ring is None:
             self._show(self._nearest())
 

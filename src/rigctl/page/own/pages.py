@@ -40,7 +40,7 @@ class ScaleForm:
     Attributes
     ----------
     ready
-        Whether the ball's diameter is known.
+        Whether the ball's diameter is known, and a frame rate.
     """
 
     def __init__(self, look: LookPanel) -> None:
@@ -57,6 +57,7 @@ class ScaleForm:
             "note"
         )
         self._diameter.on_value_change(self.refresh)
+        self._rate.on_value_change(self._rated)
 
     def refresh(self) -> None:
         """Follow the marks and the fields."""
@@ -76,16 +77,22 @@ class ScaleForm:
         }
 
     _length_mm: float | None = None
+    _rate_hz: float | None = None
 
     @ui.refreshable_method
     def _marked(self) -> None:
         marks = self._look.marks
         by_line = diameter_by_line(marks, self._length_mm)
         known = self._diameter.value or None
-        self.ready = bool(known or by_line)
+        lacks_rate = self._look.unrated and not self._rate_hz
+        self.ready = bool(known or by_line) and not lacks_rate
         ui.label(scale_words(marks, known, by_line)).classes("note").props(
             "data-testid=scale-words role=status"
         )
+        if lacks_rate:
+            ui.label("The file states no frame rate: fill in that of the camera.").classes(
+                "note"
+            ).props("data-testid=no-rate role=status")
         if by_line is not None and known is None:
             ui.label(f"By the line the ball is {by_line.concise()} mm across.").props(
                 "data-testid=by-line"
@@ -108,6 +115,10 @@ class ScaleForm:
             ui.label(f"{whole} looked at: columns {x} to {x + w}, rows {y} to {y + h}.").classes(
                 "note"
             ).props("data-testid=part-words")
+
+    def _rated(self) -> None:
+        self._rate_hz = self._rate.value or None
+        self.refresh()
 
     def _measure_line(self, length_mm: float | None) -> None:
         self._length_mm = length_mm
