@@ -86,14 +86,14 @@ def standing_of(path: Sequence[Json], concluded: VerdictReport | None = None) ->
     strong = strong_effects(found)
     fails, left = failing_rows(found), left_cells(found)
     shared = [cell for cell in left if cell["shared"]]
-    much = fails or (left and found["prediction_error"] > AT_THE_FLOOR)
+    structured = bool(left) and found["prediction_error"] > AT_THE_FLOOR
     if not (shared or strong):
-        few = found["shots"] <= FEW and bool(fails or left)
-        if few or (much and not any(row.get("shared", True) for row in fails)):
+        doubtful = not any(row.get("shared", True) for row in fails) and not structured
+        if (fails and doubtful) or (found["shots"] <= FEW and (fails or left)):
             return Standing(Word.UNSURE)
     if strong:
         return Standing(Word.MISSING, _names(strong), _pair(strong[0], _names(strong)))
-    if much:
+    if fails or structured:
         return Standing(Word.UNEXPLAINED)
     pair = _added_pair(path)
     return Standing(Word.FLOOR) if pair is None else Standing(Word.ALIKE, tell=pair)

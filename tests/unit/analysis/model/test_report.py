@@ -23,6 +23,7 @@ KEYS = {
     *("alias_set", "alias_sets", "unexplained", "chi2_per_dof", "path", "parameters", "candidates"),
     *("noise", "structure", "next_shots", "torn_tracks", "alarms", "p_chi2"),
     "nuisances",
+    "formulas",
 }
 CANDIDATE = {
     *("effect", "score", "p_value", "p_familywise", "promised_fall"),
