@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from nicegui import ui
 
+from analysis.errors import counted
 from rigctl.errors import RigError
 from rigctl.page.desk import Desk
 from rigctl.page.guide.rail import Rail
@@ -244,7 +245,7 @@ def _campaigns(desk: Desk) -> None:
         measured = campaign.states.get(ShotState.ANALYSED, 0)
         with ui.element("div").classes("beside"):
             ui.link(campaign.name, f"/model/{campaign.name}")
-            ui.label(f"{campaign.shots} shots, {measured} measured").classes("aside")
+            ui.label(f"{counted(campaign.shots, 'shot')}, {measured} measured").classes("aside")
 
 
 def _open(desk: Desk, path: str | None) -> None:

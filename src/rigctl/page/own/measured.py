@@ -8,6 +8,7 @@ from pathlib import Path
 
 from nicegui import ui
 
+from analysis.errors import counted
 from analysis.quantity import Quantity
 from rigctl.documents import Json
 from rigctl.page.desk import Desk
@@ -57,7 +58,7 @@ class MeasuredFilms:
 
     def _line(self, number: int) -> Line:
         if number in self.results:
-            said = f"✓ {len(self.results[number]['impacts'])} bounces"
+            said = f"✓ {counted(len(self.results[number]['impacts']), 'bounce')}"
         elif number in self.failures:
             said = "▲ not measured"
         else:

@@ -10,6 +10,7 @@ from urllib.parse import quote
 from nicegui import ui
 from pydantic import ValidationError
 
+from analysis.errors import counted
 from rigctl.config import Limits
 from rigctl.errors import RigError
 from rigctl.page.desk import Desk, actor
@@ -89,7 +90,7 @@ class SweepForm:
         try:
             sweep = self._sweep()
             require_possible(plan_of(sweep), self._desk.daemon.configuration.limits)
-            said = f"{sweep.count()} shots"
+            said = counted(sweep.count(), "shot")
         except ValidationError as error:
             sweep, said = None, str(error.errors()[0]["msg"])
         except RigError as error:
