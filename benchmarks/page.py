@@ -167,6 +167,8 @@ def fire_delay(browser: Browser, daemon: Served, shots: int) -> list[Number]:
 
 def latency(page: Page, daemon: Served) -> float:
     """Return how long after a stop the page shows it, s, from the time that the rig gives it."""
+    # Another page may have seen the release of the last stop sooner.
+    page.get_by_text("idle", exact=True).wait_for()
     page.evaluate(WATCH)
     daemon.rest.post("/api/v1/rig/estop", json={"reason": "the benchmark"}).raise_for_status()
     page.wait_for_function("window.changes.length > 0")
