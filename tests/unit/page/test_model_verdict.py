@@ -24,7 +24,9 @@ def found(
         "shots": shots,
         "prediction_error": 1.5,
         "with": [added] if added else [],
-        "stages": [{"quantities": [{"quantity": "normal velocity", "p_familywise": row}]}],
+        "stages": [
+            {"quantities": [{"quantity": "normal velocity", "p_familywise": row, "shared": True}]}
+        ],
         "cells": [{"p_familywise": cell, "shared": shared}],
         "findings": [{"channel": "spin n", "covariate": covariate, "p_familywise": cell}],
         "candidates": [

@@ -126,7 +126,7 @@ def test_shots_are_chosen_exactly_where_the_verdict_leaves_two_open(
 
 
 def test_the_verdict_of_the_whole_way_holds_for_its_own_effects_alone() -> None:
-    row = {"quantities": [{"quantity": "spin", "p_familywise": 1e-9}]}
+    row = {"quantities": [{"quantity": "spin", "p_familywise": 1e-9, "shared": True}]}
     found: Json = {"shots": 40, "prediction_error": 2.0, "with": [], "stages": [row]}
     found |= {"cells": [], "findings": [], "candidates": []}
     concluded = reported(verdict="effect", effects=["drag"], alias_set=["drag"])

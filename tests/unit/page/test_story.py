@@ -93,7 +93,13 @@ def points(x: np.ndarray, mean: np.ndarray) -> dict[str, Any]:
 
 
 def row(quantity: str, error: float, p: float) -> dict[str, Any]:
-    return {"quantity": quantity, "error": error, "p_familywise": p, "size": 80.0, "unit": "mm/s"}
+    return {
+        "quantity": quantity,
+        "error": error,
+        "p_familywise": p,
+        "size": 80.0,
+        "unit": "mm/s",
+    } | {"shared": True}
 
 
 def test_a_constant_error_is_called_one_and_a_course_is_told_by_its_ends() -> None:

@@ -88,7 +88,7 @@ def standing_of(path: Sequence[Json], concluded: VerdictReport | None = None) ->
     shared = [cell for cell in left if cell["shared"]]
     structured = bool(left) and found["prediction_error"] > AT_THE_FLOOR
     if not (shared or strong):
-        doubtful = not any(row.get("shared", True) for row in fails) and not structured
+        doubtful = not stands_without_two(fails) and not structured
         if (fails and doubtful) or (found["shots"] <= FEW and (fails or left)):
             return Standing(Word.UNSURE)
     if strong:
@@ -115,6 +115,11 @@ def failing_rows(found: Json) -> list[Json]:
     """Return the quantities that disagree with the model."""
     rows = [row for stage in found["stages"] for row in stage["quantities"]]
     return [row for row in rows if row["p_familywise"] < SURE]
+
+
+def stands_without_two(fails: Sequence[Json]) -> bool:
+    """Say whether one of these quantities disagrees without its two worst shots too."""
+    return any(row["shared"] for row in fails)
 
 
 def left_cells(found: Json) -> list[Json]:

@@ -75,12 +75,7 @@ def test_a_direction_that_no_view_shows_leaves_the_others_measured(
 ) -> None:
     sigma = np.broadcast_to(data.position_sigma, data.position.shape).copy()
     sigma[..., 2] = np.inf
-    for shown, whole in zip(
-        predicted_paths(replace(data, position_sigma=sigma), fit),
-        predicted_paths(data, fit),
-        strict=True,
-    ):
+    for shown in predicted_paths(replace(data, position_sigma=sigma), fit):
         assert np.isfinite(shown.measured).all()
         assert np.array_equal(shown.measured[..., 2], shown.predicted[..., 2])
         assert shown.gap < 15 * np.median(data.position_sigma)
-        assert whole.gap > 0

@@ -7,7 +7,7 @@ import re
 import numpy as np
 
 from analysis.model.structure.findings import ALWAYS
-from analysis.model.verdict.standing import SURE, Standing, Word
+from analysis.model.verdict.standing import SURE, Standing, Word, stands_without_two
 from rigctl.documents import Json
 
 ALONG = {"n": "along the centres", "t": "along the sliding", "b": "sideways"}
@@ -169,7 +169,7 @@ def compared(found: Json, standing: Standing | None = None) -> str:
         )
     rest = (
         "so this is no noise"
-        if any(row.get("shared", True) for row in wrong)
+        if stands_without_two(wrong)
         else "but hardly without its two worst shots, which may err by themselves"
     )
     return (
