@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 
@@ -50,42 +49,45 @@ class Output:
         self._report = Question(self._ask_report, jobs.job)
         self._export = Question(self._ask_export, jobs.job)
         self._folder = str(desk.daemon.store.path / EXPORTS / campaign)
-        self._show()
+        with ui.element("div").classes("beside"):
+            self._show()
+            report = button("Report", self._write_report, testid="report")
+            report.tooltip("results, figures and how to reproduce them, as one file to keep")
+            export = button("Export …", self._ask_folder, testid="export")
+            export.tooltip("tables and frames as a folder that other programs read")
+            self._buttons = ((self._report, report), (self._export, export))
         Waiting(desk, "Writing the report", lambda: self._report.running or "", "reporting")
         Waiting(desk, "Writing the folder", lambda: self._export.running or "", "exporting")
         following(TICK_S * 3, self._follow)
 
     def _follow(self) -> None:
         if self._report.follow() | self._export.follow():
-            self._show.refresh()
+            self._draw()
 
     @ui.refreshable_method
     def _show(self) -> None:
-        with ui.element("div").classes("beside"):
-            for asked in (self._report, self._export):
-                if asked.failure:
-                    ui.label(asked.failure).classes("note fails")
-            if self._report.answer is not None:
-                address = f"/reports/{self._job}.html"
-                ui.link("open the report", address, new_tab=True).props("data-testid=report-link")
-            if self._export.answer is not None:
-                said = f"{self._export.answer['shots']} shots in {self._export.answer['folder']}"
-                ui.label(said).classes("note").props("data-testid=exported")
-            self._button("Report", self._report, lambda: self._start(self._report)).tooltip(
-                "results, figures and how to reproduce them, as one file to keep or print"
-            )
-            self._button("Export …", self._export, self._ask_folder).tooltip(
-                "tables and frames as a folder that other programs and laboratories read"
-            )
+        for asked in (self._report, self._export):
+            if asked.failure:
+                ui.label(asked.failure).classes("note fails")
+        if self._report.answer is not None:
+            address = f"/reports/{self._job}.html"
+            ui.link("open the report", address, new_tab=True).props("data-testid=report-link")
+        if self._export.answer is not None:
+            said = f"{self._export.answer['shots']} shots in {self._export.answer['folder']}"
+            ui.label(said).classes("note").props("data-testid=exported")
 
-    def _button(self, text: str, asked: Question, act: Callable[[], None]) -> ui.button:
-        placed = button(text, act, testid=text.split(maxsplit=1)[0].lower())
-        placed.set_enabled(asked.running is None)
-        return placed
+    def _draw(self) -> None:
+        """Draw what came of it; the buttons stay, and so does a click on one of them."""
+        self._show.refresh()
+        for asked, placed in self._buttons:
+            placed.set_enabled(asked.running is None)
+
+    def _write_report(self) -> None:
+        self._start(self._report)
 
     def _start(self, asked: Question) -> None:
         asked.start()
-        self._show.refresh()
+        self._draw()
 
     def _ask_report(self) -> Job:
         job = report_of(self._desk.daemon, self._campaign)

@@ -11,6 +11,7 @@ from rigctl import challenge, game
 from rigctl.errors import RigError
 from rigctl.page.desk import Desk
 from rigctl.page.model.source import Source
+from rigctl.page.parts.choosing import Choice, press
 from rigctl.page.parts.tables import minus
 from rigctl.page.parts.widgets import button
 
@@ -41,46 +42,34 @@ class ChallengeMaker:
                 "to an answer, and break the seal. Finding it gives 100 points; fewer shots and "
                 "no hints give more, and so does being sure when you are right."
             )
-            self._choice()
+            with ui.element("div").classes("levels").props('role=group aria-label="level"'):
+                named = enumerate(zip(game.LEVELS, TASKS, strict=True), start=1)
+                self._cards = {level: self._card(level, *words) for level, words in named}
+            counts = {count: f"{count} shots, points × {game.FEW[count]:g}" for count in game.SHOTS}
+            testids = {count: f"shots-{count}" for count in game.SHOTS}
+            Choice("shots", counts, self._shots, self._take_shots, testids)
+            self._start = button("", self._make, look="fill", testid="new-challenge")
+            self._take_level(self._level)
             self._made()
 
-    @ui.refreshable_method
-    def _choice(self) -> None:
-        with ui.element("div").classes("levels").props('role=group aria-label="level"'):
-            for level, (name, task) in enumerate(zip(game.LEVELS, TASKS, strict=True), start=1):
-                self._card(level, name, task)
-        with ui.element("div").classes("beside").props('role=group aria-label="shots"'):
-            for count in game.SHOTS:
-                choice = button(
-                    f"{count} shots, points × {game.FEW[count]:g}",
-                    lambda count=count: self._choose(self._level, count),
-                    look="line tab",
-                    testid=f"shots-{count}",
-                )
-                choice.props(f"aria-pressed={str(count == self._shots).lower()}")
-        button(f"Start level {self._level}", self._make, look="fill", testid="new-challenge")
-
-    def _card(self, level: int, name: str, task: str) -> None:
-        card = (
-            ui.element("button")
-            .classes("level")
-            .on("click", lambda: self._choose(level, self._shots))
-        )
-        chosen = str(level == self._level).lower()
-        card.props(f"type=button aria-pressed={chosen} data-testid=level-{level}")
+    def _card(self, level: int, name: str, task: str) -> ui.element:
+        card = ui.element("button").classes("level").on("click", lambda: self._take_level(level))
+        card.props(f"type=button data-testid=level-{level}")
         with card:
             ui.label(str(level)).classes("step-number").props("aria-hidden=true")
             with ui.element("span").classes("stack"):
                 ui.label(name).classes("strong")
                 ui.label(task).classes("note")
+        return card
 
-    def _choose(self, level: int, shots: int) -> None:
-        of_level = level != self._level
-        self._level, self._shots = level, shots
-        self._choice.refresh()
-        # What was pressed is drawn anew: the focus goes where it was.
-        at = f"level-{level}" if of_level else f"shots-{shots}"
-        ui.run_javascript(f"document.querySelector('[data-testid={at}]')?.focus()")
+    def _take_level(self, level: int) -> None:
+        self._level = level
+        for own, card in self._cards.items():
+            press(card, pressed=own == level)
+        self._start.set_text(f"Start level {level}")
+
+    def _take_shots(self, shots: int) -> None:
+        self._shots = shots
 
     async def _make(self) -> None:
         folder = self._store / f"challenge-{secrets.token_hex(3)}"

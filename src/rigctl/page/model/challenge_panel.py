@@ -164,7 +164,8 @@ class ChallengePanel:
             "Something is hidden in it, or nothing. Name it: the answer is written once and never "
             "changed. Then the seal can be broken."
         ).classes("note")
-        self._hint()
+        with ui.element("div").classes("stack"):
+            self._hint()
         names = {name: f"{NOTHING[name]} ({name})" for name in challenge.ALONE}
         names |= {effect.name: named(effect.name) for effect in ALL_EFFECTS}
         with ui.element("div").classes("beside"):
@@ -180,8 +181,12 @@ class ChallengePanel:
             )
             commit.bind_enabled_from(given, "value", bool)
 
+    @ui.refreshable_method
     def _hint(self) -> None:
-        """Show the hints that were taken, and offer the next one for points."""
+        """Show the hints that were taken, and offer the next one for points.
+
+        The answer below stays as far as it is given.
+        """
         if self._game is None or self._folder is None:
             return
         ui.label(
@@ -211,7 +216,7 @@ class ChallengePanel:
         except RigError as error:
             ui.notify(error.sentence(), type="negative", multi_line=True)
             return
-        self._show.refresh()
+        self._hint.refresh()
 
     def _answered(self) -> None:
         if self._folder is None:

@@ -85,6 +85,7 @@ class NextShots:
         self._desk, self._state = desk, state
         self._pair: list[str] = []
         self._chosen_for: object = None
+        self._choose: ui.button | None = None
         self._asked = Question(self._ask, desk.daemon.jobs.job)
         with ui.element("div").classes("panel").props("data-testid=next-shots"):
             self.show()
@@ -93,7 +94,7 @@ class NextShots:
     def follow(self) -> None:
         """Show the answer once it has come."""
         if self._asked.follow():
-            self.show.refresh()
+            self._draw()
 
     @ui.refreshable_method
     def show(self) -> None:
@@ -144,8 +145,8 @@ class NextShots:
             self._select(names, 0)
             ui.label("from")
             self._select(names, 1)
-            ask = button("Choose shots", self._start, testid="choose-shots")
-            ask.set_enabled(self._asked.running is None)
+            self._choose = button("Choose shots", self._start, testid="choose-shots")
+            self._choose.set_enabled(self._asked.running is None)
             ui.label(
                 "The settings within the rig's limits at which their predictions differ most."
             ).classes("aside")
@@ -158,6 +159,13 @@ class NextShots:
         chosen.style("min-width: min(400px, 100%)")
         chosen.on_value_change(lambda event: self._pair.__setitem__(place, event.value))
 
+    def _draw(self) -> None:
+        """Draw the answer anew; the fields beside it stay, with what is being chosen in them."""
+        self._answer.refresh()
+        if self._choose is not None:
+            self._choose.set_enabled(self._asked.running is None)
+
+    @ui.refreshable_method
     def _answer(self) -> None:
         if self._asked.failure:
             ui.label(self._asked.failure).classes("verdict bad")
@@ -200,7 +208,7 @@ class NextShots:
 
     def _start(self) -> None:
         self._asked.start()
-        self.show.refresh()
+        self._draw()
 
     def _ask(self) -> Job:
         limits = self._desk.daemon.configuration.limits

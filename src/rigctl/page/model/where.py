@@ -11,8 +11,9 @@ from rigctl.documents import Json
 from rigctl.page.desk import Desk
 from rigctl.page.model.compare import parsed
 from rigctl.page.model.state import ModelState
+from rigctl.page.parts.choosing import Choice
 from rigctl.page.parts.plots import heat_map, residuals
-from rigctl.page.parts.widgets import button, plot, redraw, save_csv
+from rigctl.page.parts.widgets import plot, redraw, save_csv
 
 ALL_DRAWN = 300
 """So few points are drawn each, with their error bars."""
@@ -93,6 +94,7 @@ class Where:
     def show(self, found: Json) -> None:
         """Draw another answer, at the cell that was chosen for it."""
         self._take(found)
+        self._blocks.refresh()
         self._redraw()
 
     def _take(self, found: Json) -> None:
@@ -106,7 +108,6 @@ class Where:
         self._drawn = apart(self._points)
 
     def _redraw(self) -> None:
-        self._blocks.refresh()
         self._heading.refresh()
         redraw(self._map, self._heat_map())
         redraw(self._scatter, self._residuals())
@@ -114,15 +115,9 @@ class Where:
 
     @ui.refreshable_method
     def _blocks(self) -> None:
-        for name, title in BLOCKS.items():
-            if of_block := self._of(name):
-                here = name == self._block
-                choice = button(
-                    f"{title} {of_block[0]['deviation']:.0f} σ",
-                    lambda cell=of_block[0]: self._pick(cell),
-                    look="line tab",
-                )
-                choice.props(f"aria-pressed={str(here).lower()}")
+        first = {name: found[0] for name in BLOCKS if (found := self._of(name))}
+        words = {name: f"{BLOCKS[name]} {cell['deviation']:.0f} σ" for name, cell in first.items()}
+        self._places = Choice("place", words, self._block, lambda name: self._pick(first[name]))
 
     @ui.refreshable_method
     def _heading(self) -> None:
@@ -167,6 +162,7 @@ class Where:
     def _pick(self, cell: Json) -> None:
         self._state.cell = (cell["channel"], cell["covariate"])
         self._look_at(cell)
+        self._places.press(self._block)
         self._redraw()
 
     def _on_point(self, event: events.GenericEventArguments) -> None:

@@ -15,8 +15,8 @@ from rigctl.page.desk import Desk
 from rigctl.page.model.state import Question
 from rigctl.page.own.brought import Brought
 from rigctl.page.own.marks import Marks
+from rigctl.page.parts.choosing import Choice
 from rigctl.page.parts.waiting import Waiting
-from rigctl.page.parts.widgets import button
 
 FUNCTIONS = "rigctl.measuring.own_film"
 SCRIPT = Path(__file__).with_name("marks.js")
@@ -44,6 +44,10 @@ class LookPanel:
         self._rings = Question(lambda: self._ask("rings_job"), jobs.job)
         self._look.start()
         ui.add_head_html(f"<script>{SCRIPT.read_text('utf-8')}</script>")
+        ui.html("1 Is this what you filmed?", sanitize=False, tag="h3").classes("card-heading")
+        if len(brought.films) > 1:
+            names = {number: film.name for number, film in enumerate(brought.films)}
+            Choice("film", names, self._seen, self._see)
         self._head()
         self._picture()
         Waiting(desk, "Looking at the film", lambda: self._look.running or "", "looking")
@@ -91,14 +95,6 @@ class LookPanel:
 
     @ui.refreshable_method
     def _head(self) -> None:
-        ui.html("1 Is this what you filmed?", sanitize=False, tag="h3").classes("card-heading")
-        if len(self._brought.films) > 1:
-            with ui.element("div").classes("beside"):
-                for number, film in enumerate(self._brought.films):
-                    choice = button(
-                        film.name, lambda number=number: self._see(number), look="line tab"
-                    )
-                    choice.props(f"aria-pressed={str(number == self._seen).lower()}")
         name, answer = self._brought.films[self._seen].name, self._look.answer
         if self._look.failure:
             ui.label(self._look.failure).classes("verdict bad").props("data-testid=own-failed")

@@ -26,10 +26,12 @@ class Bar:
     beside: str = ""
 
 
-def bars(
-    rows: Sequence[Bar], choose: Callable[[int], None] | None = None, chosen: int | None = None
-) -> None:
-    """Place bars below each other; with `choose` their names are buttons, which give its place."""
+def bars(rows: Sequence[Bar], choose: Callable[[int], None] | None = None) -> list[ui.element]:
+    """Place bars below each other, and return their names.
+
+    With `choose` these are buttons, which give their place.
+    """
+    names: list[ui.element] = []
     with ui.element("div").classes("bars"):
         for place, row in enumerate(rows):
             name = f"▲ {row.name}" if row.fails else row.name
@@ -39,7 +41,8 @@ def bars(
                 placed = button(
                     name, lambda place=place: choose(place), look="choice", testid=f"cell-{place}"
                 )
-                placed.props(f"aria-pressed={str(place == chosen).lower()} align=left")
+                placed.props("align=left")
+            names.append(placed)
             placed.classes("fails" if row.fails else "")
             bar = ui.element("div").classes("bar fails" if row.fails else "bar fine")
             bar.style(f"width: {100 * max(LEAST_SHARE, row.share):.0f}%").props("aria-hidden=true")
@@ -47,3 +50,4 @@ def bars(
                 ui.label(row.said).classes("strong")
                 if row.beside:
                     ui.label(row.beside).classes("note")
+    return names

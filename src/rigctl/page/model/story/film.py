@@ -10,9 +10,9 @@ from rigctl.documents import Json
 from rigctl.page.desk import Desk
 from rigctl.page.model.state import Effects, ModelState, Question
 from rigctl.page.model.story.ghost import Scene, ghost_film, of_film, of_places
+from rigctl.page.parts.choosing import Choice
 from rigctl.page.parts.presence import every
 from rigctl.page.parts.waiting import Waiting
-from rigctl.page.parts.widgets import button
 from rigctl.page.shots.films import Films
 from rigctl.store import ShotRecord
 
@@ -63,45 +63,50 @@ class ShotFilm:
         if self._shown() is None:
             self._asked.start()
             self._said = self._asked.failure
-        self.place.refresh()
+        self._choice.press(shot)
+        self._other.set_value(None if shot in self._named else shot)
+        self._film.refresh()
         self._chosen()
 
-    @ui.refreshable_method
     def place(self) -> None:
         """Place the film with the choice of its shot."""
         if not self._paths:
             return
         with ui.element("div").classes("stack"):
-            self._choice()
+            self._offer()
             Waiting(self._desk, "Following the shot", lambda: self._asked.running or "", "follows")
-            if self._said:
-                ui.label(self._said).classes("note fails")
-            if (shown := self._shown()) is not None:
-                stored = self._state.source.stored(shown["shot"])
-                scene = scene_of(shown, stored, self._desk.films)
-                ghost_film(scene, shown["shot"], shown["gap_mm"])
+            with ui.element("div").classes("stack"):
+                self._film()
             ui.label(
                 "Solid: where each sphere was measured. Dashed: where the model, given the flight "
                 "before contact, predicts it. The loupe shows the gap at its true size."
             ).classes("note")
 
-    def _choice(self) -> None:
-        named = {own["shot"]: name for name, own in zip(FILMED, self._paths, strict=False)}
+    @ui.refreshable_method
+    def _film(self) -> None:
+        if self._said:
+            ui.label(self._said).classes("note fails")
+        if (shown := self._shown()) is not None:
+            stored = self._state.source.stored(shown["shot"])
+            scene = scene_of(shown, stored, self._desk.films)
+            ghost_film(scene, shown["shot"], shown["gap_mm"])
+
+    def _offer(self) -> None:
+        named = {
+            own["shot"]: f"{name}: {own['shot']}"
+            for name, own in zip(FILMED, self._paths, strict=False)
+        }
+        testids = {shot: f"film-{place}" for place, shot in enumerate(named)}
         with ui.element("div").classes("beside"):
             ui.label("Film of shot").classes("note")
-            for place, (shot, name) in enumerate(named.items()):
-                choice = button(
-                    f"{name}: {shot}",
-                    lambda shot=shot: self.choose(shot),
-                    look="line tab",
-                    testid=f"film-{place}",
-                )
-                choice.props(f"aria-pressed={str(shot == self._wanted).lower()}")
+            self._choice = Choice("film of shot", named, self._wanted, self.choose, testids)
+            self._named = frozenset(named)
             other = ui.number(value=None if self._wanted in named else self._wanted, format="%d")
             other.props('outlined dense placeholder="another" data-testid=film-other')
             other.props('aria-label="film of the shot with this number" step=1 min=1')
             other.style("width: 96px")
             other.on("change", lambda: self._of_number(other.value))
+            self._other = other
 
     def _of_number(self, number: float | None) -> None:
         if number is not None:
@@ -119,4 +124,4 @@ class ShotFilm:
         self._said = self._asked.failure
         if not paths and not self._said:
             self._said = f"Shot {self._wanted} has no film here: it has no poses, or was left out."
-        self.place.refresh()
+        self._film.refresh()

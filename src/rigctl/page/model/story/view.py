@@ -26,6 +26,7 @@ from rigctl.page.model.story.words import (
     goes_with,
     missing_words,
 )
+from rigctl.page.parts.choosing import Choice
 from rigctl.page.parts.keys import to_step
 from rigctl.page.parts.waiting import Waiting
 from rigctl.page.parts.widgets import button, plot
@@ -49,6 +50,7 @@ class Story:
         self._effect, self._waits = "", ""
         self._is_behind = self._is_before = False
         self._known, self._late = 0, self._fourth
+        self._turners: dict[int, Choice[bool]] = {}
         self._film = ShotFilm(desk, state, self._film_chosen)
         self._where = WhereItFails(self._to_film, lambda: self._film.shot)
         with ui.element("div").classes("stack story"):
@@ -102,9 +104,11 @@ class Story:
     def turn(self, *, before: bool) -> None:
         """Show steps 1 and 2 as they were before the last effect was added, or with it."""
         self._is_before = before
+        for turner in self._turners.values():
+            turner.press(before)
         self._look_at_stage()
-        self._first.refresh()
-        self._second.refresh()
+        self._compared.refresh()
+        self._failing.refresh()
 
     @property
     def _stages(self) -> list[Json]:
@@ -154,10 +158,13 @@ class Story:
 
     @ui.refreshable_method
     def _first(self) -> None:
-        if self._shown is None:
-            return
+        if self._shown is not None:
+            self._title(1, "Compare", lambda: self._turner(1))
+            self._compared()
+
+    @ui.refreshable_method
+    def _compared(self) -> None:
         found = self._stages[-1]
-        self._title(1, "Compare", self._turner)
         _lede(compared(found, standing_of(self._stages, self._concluded())), "story-compare")
         with ui.element("div").classes("columns compared"):
             self._film.place()
@@ -170,8 +177,12 @@ class Story:
     @ui.refreshable_method
     def _second(self) -> None:
         if self._shown is not None:
-            self._title(2, "Where it fails", self._turner)
-            self._where.place()
+            self._title(2, "Where it fails", lambda: self._turner(2))
+            self._failing()
+
+    @ui.refreshable_method
+    def _failing(self) -> None:
+        self._where.place()
 
     @ui.refreshable_method
     def _third(self) -> None:
@@ -197,17 +208,16 @@ class Story:
             ui.space()
             button("Undo", lambda: self._take(self._state.effects[:-1]), testid="undo")
 
-    def _turner(self) -> None:
+    def _turner(self, number: int) -> None:
         """Place the switch between before and after, once an effect is added."""
+        self._turners.pop(number, None)
         if len(self._state.path()) < 2:
             return
         ui.space()
-        with ui.element("div").classes("beside").props('role=group aria-label="before or after"'):
-            for name, before in (("before adding", True), ("after", False)):
-                choice = button(
-                    name, lambda before=before: self.turn(before=before), look="line tab"
-                )
-                choice.props(f"aria-pressed={str(before is self._is_before).lower()}")
+        words = {True: "before adding", False: "after"}
+        self._turners[number] = Choice(
+            "before or after", words, self._is_before, lambda before: self.turn(before=before)
+        )
 
     @ui.refreshable_method
     def _rail(self) -> None:

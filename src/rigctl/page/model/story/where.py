@@ -16,7 +16,8 @@ from rigctl.page.model.story.bars import Bar, bars
 from rigctl.page.model.story.plots import cell_plot
 from rigctl.page.model.story.words import channel, goes_with, heading, where
 from rigctl.page.model.where import apart, block_of
-from rigctl.page.parts.widgets import button, plot, redraw
+from rigctl.page.parts.choosing import Choice, press
+from rigctl.page.parts.widgets import plot, redraw
 
 GROUPS = (
     ("", (ALWAYS,)),
@@ -199,6 +200,8 @@ class WhereItFails:
         self._to_film, self._filmed = to_film, filmed
         self._cells = Cells(())
         self._standing: Standing | None = None
+        self._places: Choice[str] | None = None
+        self._names: list[ui.element] = []
 
     def take(self, cells: Sequence[Json], standing: Standing) -> None:
         """Look at the cells of another answer, the most striking one first."""
@@ -206,19 +209,23 @@ class WhereItFails:
 
     def look_at(self, place: str) -> None:
         """Look at the most striking cell of one of `PLACES`."""
-        if self._cells.look_at(place):
-            self.place.refresh()
+        found = self._cells.look_at(place)
+        if found and self._cells.chosen is not None and self._places is not None:
+            self._places.press(place)
+            self._map.refresh()
+            self._listed.refresh()
+            self._choose(self._cells.chosen)
 
-    @ui.refreshable_method
     def place(self) -> None:
         """Place sentence, map and plot."""
         if self._cells.chosen is None:
             return
-        self._choice()
+        self._offer()
         self._told()
         with ui.element("div").classes("columns where"):
             with ui.element("div").classes("stack"):
-                self._offer(self._cells.here, self._cells.chosen)
+                self._map()
+                self._listed()
             with ui.element("div").classes("stack"):
                 self._named = ui.label(self._name()).classes("strong")
                 self._plot = plot(self._figure())
@@ -248,38 +255,40 @@ class WhereItFails:
         trend = points["trend"]["x"], points["trend"]["mean"]
         return cell_plot(cell, apart(points), trend, self._filmed())
 
-    def _choice(self) -> None:
+    def _offer(self) -> None:
         """Offer the places that have cells; a tick where nothing errs."""
-        with ui.element("div").classes("beside").props('role=group aria-label="place"'):
-            for name, most in self._cells.places.items():
-                fine = "" if most["p_familywise"] < SURE else " ✓"
-                choice = button(
-                    f"{name.capitalize()}{fine}",
-                    lambda name=name: self.look_at(name),
-                    look="line tab",
-                    testid=f"place-{PLACES[name]}",
-                )
-                choice.props(f"aria-pressed={str(name == self._cells.place).lower()}")
+        words = {
+            name: f"{name.capitalize()}{'' if most['p_familywise'] < SURE else ' ✓'}"
+            for name, most in self._cells.places.items()
+        }
+        testids = {name: f"place-{block}" for name, block in PLACES.items()}
+        self._places = Choice("place", words, self._cells.place, self.look_at, testids)
 
-    def _offer(self, cells: Sequence[Json], chosen: Json) -> None:
-        """Offer the cells of one place: as a map, and as a list where the screen is narrow."""
-        at = next(k for k, cell in enumerate(cells) if cell is chosen)
+    @ui.refreshable_method
+    def _map(self) -> None:
+        """Offer the cells of one place as a map; where the screen is narrow it is a list."""
+        cells = self._cells.here
+        at = next(k for k, cell in enumerate(cells) if cell is self._cells.chosen)
         with ui.element("div").classes("stack wide-only"):
             place_map(cells, at, lambda place: self._choose(cells[place]))
             ui.label(
                 "Number: how surely the error of the row changes with the column, in standard "
                 "deviations; a dot: not at all. Click one, or use the arrow keys."
             ).classes("note")
-        self._listed()
 
     @ui.refreshable_method
     def _listed(self) -> None:
         listed = self._cells.here[:CELLS]
-        at = next((k for k, cell in enumerate(listed) if cell is self._cells.chosen), None)
         with ui.element("div").classes("stack narrow-only"):
             ui.label("What the error goes with, and how surely").classes("strong")
             most = max(own["deviation"] for own in listed)
-            bars([_bar(own, most) for own in listed], lambda k: self._choose(listed[k]), at)
+            rows = [_bar(own, most) for own in listed]
+            self._names = bars(rows, lambda k: self._choose(listed[k]))
+        self._mark()
+
+    def _mark(self) -> None:
+        for cell, name in zip(self._cells.here, self._names, strict=False):
+            press(name, pressed=cell is self._cells.chosen)
 
     def _choose(self, cell: Json) -> None:
         """Draw a cell over the one before: the map has marked it, and keeps the focus."""
@@ -287,7 +296,7 @@ class WhereItFails:
         self._told.refresh()
         self._named.set_text(self._name())
         redraw(self._plot, self._figure())
-        self._listed.refresh()
+        self._mark()
 
     def _on_point(self, event: events.GenericEventArguments) -> None:
         points = event.args.get("points") if isinstance(event.args, dict) else None
