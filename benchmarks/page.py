@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote, urlsplit
 
+import numpy as np
 from playwright.sync_api import Browser, Page
 
 from benchmarks.cpu_seconds import of_process
@@ -39,7 +40,9 @@ from benchmarks.page_waits import (
 
 OUT = Path("out/page.json")
 SMALL = 120
-BROWSERS, ROUNDS = 5, 3
+BROWSERS, ROUNDS = 5, 4
+DRAWS = 2000
+"""Of the two lots of shots again, by which the error of the difference of their medians is had."""
 OPENINGS = 5
 PARTS = ("first", "coefficients", "fire", "numbers", "cancel", "model", "story", "refused")
 WATCH = """() => {
@@ -145,6 +148,7 @@ def fire_delay(browser: Browser, daemon: Served, shots: int) -> list[Number]:
             page.context.close()
         settle(daemon)
     extra = statistics.median(watched.took) - statistics.median(alone.took)
+    off = sigma_of_difference(watched.took, alone.took)
     spent = watched.daemon_s / len(watched.took) - alone.daemon_s / len(alone.took)
     return [
         Number(
@@ -160,9 +164,29 @@ def fire_delay(browser: Browser, daemon: Served, shots: int) -> list[Number]:
         ),
         Number(f"fire request with {BROWSERS} browsers, longest", 1e3 * max(watched.took), "ms"),
         Number("delay of a fire request by browsers, medians", 1e3 * extra, "ms", 10.0),
+        Number("  its standard error", 1e3 * off, "ms"),
+        *(
+            Number(f"  spread {whose}: middle half of the requests", 1e3 * middle_half(took), "ms")
+            for whose, took in (("alone", alone.took), ("with them", watched.took))
+        ),
         Number("  CPU time of the daemon that they add to a shot", 1e3 * spent, "ms"),
         Number("state shown after it changed, median", 1e3 * statistics.median(shown), "ms", 200.0),
     ]
+
+
+def sigma_of_difference(one: Sequence[float], other: Sequence[float]) -> float:
+    """Return the standard error of a difference of medians, by drawing both lots again."""
+    rng = np.random.default_rng(1)
+    drawn = [
+        np.median(rng.choice(lot, (DRAWS, len(lot))), axis=1) for lot in (list(one), list(other))
+    ]
+    return float(np.std(drawn[0] - drawn[1]))
+
+
+def middle_half(values: Sequence[float]) -> float:
+    """Return the distance between the quartiles."""
+    low, high = np.quantile(list(values), [0.25, 0.75])
+    return float(high - low)
 
 
 def latency(page: Page, daemon: Served) -> float:
@@ -296,7 +320,7 @@ def told(found: Iterable[Number]) -> list[Number]:
 def main() -> int:
     """Measure, print, write."""
     asked = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    asked.add_argument("--fires", type=int, default=12, help="with browsers, and as many without")
+    asked.add_argument("--fires", type=int, default=60, help="with browsers, and as many without")
     asked.add_argument("--shots", type=int, default=1000, help="of the large campaign")
     asked.add_argument("--parts", nargs="+", choices=PARTS, default=list(PARTS))
     asked.add_argument("--out", type=Path, default=OUT)

@@ -30,8 +30,9 @@ FEW = {24: 1.5, 60: 1.2, 120: 1.0}
 """By what the points are multiplied that are found with so few shots."""
 HINT_COSTS = (10, 20, 30)
 """Of how much is hidden, of where it acts, and of how one notices it, in the order of asking."""
-HINTS_TO_PLACE = 1
-"""So many hints go before the one that says where to look."""
+HOW_MANY, WHERE, WHAT = range(len(HINT_COSTS))
+COUNTED = frozenset({1, 3, 4})
+"""Levels whose names say how much is hidden: no hint says it once more."""
 COEFFICIENTS = ("e", "mu", "beta0")
 """Slots of laws that act at the bounce; other slots are forces between the spheres."""
 SURE = (0.5, 0.7, 0.9, 0.99)
@@ -50,6 +51,16 @@ class Game:
     shots: int
     hints: int = 0
     sure: float | None = None
+
+    @property
+    def offered(self) -> tuple[int, ...]:
+        """The hints there are, in the order of asking, as places in `HINT_COSTS`."""
+        return (WHERE, WHAT) if self.level in COUNTED else (HOW_MANY, WHERE, WHAT)
+
+    @property
+    def taken(self) -> tuple[int, ...]:
+        """Those that were taken."""
+        return self.offered[: self.hints]
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +126,7 @@ def take_hint(folder: Path, game: Game) -> Game:
     StoreError
         The game cannot be written.
     """
-    if game.hints >= len(HINT_COSTS):
+    if game.taken == game.offered:
         raise RefusedError("has given all its hints", part="the challenge")
     return _keep(folder, replace(game, hints=game.hints + 1))
 
@@ -125,7 +136,7 @@ def be_sure(folder: Path, game: Game, sure: float) -> Game:
     return _keep(folder, replace(game, sure=sure))
 
 
-def hints(folder: Path, taken: int, clues: Mapping[str, Clue]) -> list[str]:
+def hints(folder: Path, game: Game, clues: Mapping[str, Clue]) -> list[str]:
     """Return the hints that were taken: how much is hidden, where to look, and what to look for.
 
     Parameters
@@ -134,7 +145,8 @@ def hints(folder: Path, taken: int, clues: Mapping[str, Clue]) -> list[str]:
         Of the effects of the catalogue, by name.
     """
     label: Label = label_of(folder)
-    return [_how_many(label), _where(label, clues), _what(label, clues)][:taken]
+    said = _how_many(label), _where(label, clues), _what(label, clues)
+    return [said[kind] for kind in game.taken]
 
 
 def _how_many(label: Label) -> str:
@@ -144,9 +156,9 @@ def _how_many(label: Label) -> str:
     return counts.get(len(label.effects), f"{len(label.effects)} effects are hidden.")
 
 
-def places(folder: Path, taken: int, clues: Mapping[str, Clue]) -> list[str]:
+def places(folder: Path, game: Game, clues: Mapping[str, Clue]) -> list[str]:
     """Return where what is hidden acts, each place once, if the hint that says it was taken."""
-    return _places(label_of(folder), clues) if taken > HINTS_TO_PLACE else []
+    return _places(label_of(folder), clues) if WHERE in game.taken else []
 
 
 def _places(label: Label, clues: Mapping[str, Clue]) -> list[str]:
@@ -197,7 +209,7 @@ def score(game: Game, outcome: Outcome) -> Score:
     few = round(found * (FEW.get(game.shots, 1.0) - 1.0))
     right = 1.0 if outcome in {"right", "alias"} else 0.0
     sure = 0 if game.sure is None else round(SURE_POINTS * (1 - 4 * (game.sure - right) ** 2))
-    return Score(found, few, -sum(HINT_COSTS[: game.hints]), sure)
+    return Score(found, few, -sum(HINT_COSTS[kind] for kind in game.taken), sure)
 
 
 def _keep(folder: Path, game: Game) -> Game:

@@ -77,5 +77,5 @@ def used(said: str) -> int:
     """Return how many shots of a campaign the page says it counts, used or left out of the fit."""
     found = re.match(r"(\d+) shots used", said)
     assert found is not None
-    left_out = re.findall(r"\d+", said.partition("from the rest: ")[2].partition(", excl")[0])
+    left_out = re.findall(r"\d+", said.partition("left out: ")[2])
     return int(found[1]) + len(left_out)

@@ -23,7 +23,7 @@ STRETCH = 0.004
 FIT = {
     *("campaign", "shots", "with", "chi2_per_dof", "degrees_of_freedom", "converged", "parameters"),
     *("faults", "noise", "excluded", "rejected", "rejected_frames", "torn_tracks", "alarms"),
-    *("nuisances", "formulas"),
+    *("nuisances", "formulas", "rejected_why"),
 }
 EXPLAIN = {
     *("campaign", "shots", "used", "excluded", "rejected", "rejected_frames", "verdict", "effects"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
 
@@ -23,6 +24,8 @@ from analysis.quantity import Quantity
 SHOWN_BALLS = 12
 POINTS = 60
 BRIGHTEST_PERCENTILE = 99.8
+LABEL_WIDTH, LABEL_HEIGHT = 70.0, 10.0
+"""Of the number and e of a bounce, in points."""
 
 
 def draw_ball_film(path: Path, title: str, film: AnalysedFilm) -> None:
@@ -124,15 +127,47 @@ def _coefficients(axes: Axes, film: AnalysedFilm) -> None:
         axes.text(0.0, 0.9, "\n".join(film.notes), va="top", fontsize=9, wrap=True)
         return
     speeds = flights.contacts[:, 1] / flights.scale_px_per_m
-    for bounce, speed in enumerate(speeds.tolist()):
-        value, sigma = coefficient(film.measured, bounce)
+    found = [coefficient(film.measured, bounce) for bounce in range(len(speeds))]
+    for speed, (value, sigma) in zip(speeds.tolist(), found, strict=True):
         axes.errorbar(speed, value, sigma, fmt="o", color=MEASURED, ms=4, capsize=2)
-        axes.annotate(
-            f" {bounce + 1}: {Quantity(value, sigma, '1').concise()}",
-            (speed, value),
-            fontsize=8,
-            color=GREY,
-        )
     axes.margins(x=0.2, y=0.3)
     axes.set_xlabel("speed before the bounce, m/s")
     axes.set_ylabel("e")
+    _name_bounces(axes, speeds, found)
+
+
+def _name_bounces(axes: Axes, speeds: Floats, found: Sequence[tuple[float, float]]) -> None:
+    """Write number and e of each bounce beside its point, one above the other where they crowd."""
+    figure = axes.get_figure(root=True)
+    if figure is None:
+        return
+    # Sizes are known once the axes have their places.
+    figure.draw_without_rendering()
+    points = axes.transData.transform([(v, e) for v, (e, _) in zip(speeds, found, strict=True)])
+    beside = free_heights(72.0 / figure.dpi * points)
+    for bounce, (value, sigma) in enumerate(found):
+        axes.annotate(
+            f"{bounce + 1}: {Quantity(value, sigma, '1').concise()}",
+            (float(speeds[bounce]), value),
+            (5.0, beside[bounce]),
+            textcoords="offset points",
+            fontsize=8,
+            color=GREY,
+            verticalalignment="center",
+        )
+
+
+def free_heights(points: Floats) -> list[float]:
+    """Return by how much labels beside points, shape (N, 2), are raised so that none overlap.
+
+    All in points, as fonts are; the label of a point of which no other is near stays at its height.
+    """
+    taken: list[tuple[float, float]] = []
+    raised = []
+    for across, up in points.tolist():
+        near = [height for place, height in taken if abs(place - across) < LABEL_WIDTH]
+        steps = (way * k * LABEL_HEIGHT / 2 for k in range(4 * len(near) + 4) for way in (1, -1))
+        free = (s for s in steps if all(abs(up + s - height) >= LABEL_HEIGHT for height in near))
+        raised.append(next(free))
+        taken.append((across, up + raised[-1]))
+    return raised

@@ -56,6 +56,8 @@ class FitReport:
         How many were fitted.
     excluded, rejected
         Numbers of the shots that a person left out, and that were left out as unlike the rest.
+    rejected_why
+        Of each of these why, in the same order; documents of before have none.
     rejected_frames
         (shot number, frame index) of frames that were taken out of shots that were kept.
     torn_tracks
@@ -84,6 +86,7 @@ class FitReport:
     converged: bool
     parameters: Mapping[str, Measured]
     formulas: Mapping[str, str] = Field(default_factory=dict)
+    rejected_why: tuple[str, ...] = ()
     nuisances: tuple[Nuisance, ...] = ()
     alarms: tuple[Nuisance, ...] = ()
 

@@ -89,18 +89,21 @@ class Desk:
         for_s = (datetime.now(UTC) - rig.since).total_seconds()
         return rig.state in NEAR_FIRE and 0.0 <= for_s < NEAR_S
 
-    async def act(self, call: Callable[[], T], *, moves: bool = False) -> T | None:
+    async def act(
+        self, call: Callable[[], T], *, moves: bool = False, fires: bool = False
+    ) -> T | None:
         """Run what moves the rig or writes; a refusal is shown in its own words and gives None.
 
         What `moves` the rig is not done if it may have been pressed before the page lost its
-        connection: nobody may be surprised by a rig that arms minutes later.
+        connection: nobody may be surprised by a rig that arms minutes later. While one `fires` all
+        pages rest.
         """
         client = context.client
         if moves and is_late(client):
             ui.notify(TOO_LATE, type="warning", timeout=12_000)
             return None
         try:
-            return await self.lanes.control(call)
+            return await (self.lanes.fire(call) if fires else self.lanes.control(call))
         except RigError as error:
             with client:
                 ui.notify(error.sentence(), type="negative", multi_line=True, timeout=12_000)

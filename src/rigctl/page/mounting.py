@@ -23,6 +23,7 @@ from rigctl.page.own.dropping import dropping_route
 from rigctl.page.own.pages import own_pages
 from rigctl.page.parts.fonts import fonts_route
 from rigctl.page.parts.plotting import plotting_route
+from rigctl.page.parts.presence import rest_while
 from rigctl.page.parts.readings import Readings
 from rigctl.page.rig.commissioning import commissioning_page
 from rigctl.page.rig.film import film_page, shot_film_route
@@ -51,7 +52,9 @@ def with_page(api: FastAPI, daemon: Daemon) -> ASGIApp:
 
     Called once in a process: pages are registered in the page library's one table.
     """
-    desk = Desk(daemon, Lanes(), Feed(daemon), Readings(daemon.store), Films(daemon.store))
+    lanes, of_rest = Lanes(), api.state.lanes
+    rest_while(lambda: lanes.is_firing, lambda: of_rest.is_firing)
+    desk = Desk(daemon, lanes, Feed(daemon), Readings(daemon.store), Films(daemon.store))
     ui.add_css(STYLE, shared=True)
     rig = (rig_page, commissioning_page, recorder_page, film_page)
     for register in (*rig, shot_pages, sweep_pages, campaign_pages, model_pages, own_pages):

@@ -90,6 +90,7 @@ def create_app(daemon: Daemon, key: str, hub: EventHub) -> FastAPI:
         dependencies=[Depends(require_known)],
     )
     lanes = Lanes()
+    app.state.lanes = lanes
     app.state.keyring = Keyring(key, lambda: daemon.store.path)
     app.state.wrong_keys = WrongKeys(lambda address: _log_wrong_keys(daemon, address))
     app.include_router(rig_routes(daemon, lanes), prefix=PREFIX)

@@ -21,6 +21,20 @@ class Lanes:
     def __init__(self) -> None:
         self._control = anyio.CapacityLimiter(4)
         self._stop = anyio.CapacityLimiter(32)
+        self._firing = 0
+
+    @property
+    def is_firing(self) -> bool:
+        """Whether a fire request has come in that is not answered yet: all that can wait rests."""
+        return self._firing > 0
+
+    async def fire(self, call: Callable[[], T]) -> T:
+        """Run a fire request, as `control`."""
+        self._firing += 1
+        try:
+            return await self.control(call)
+        finally:
+            self._firing -= 1
 
     async def control(self, call: Callable[[], T]) -> T:
         """Run a call that moves the rig; further callers wait for a free thread."""

@@ -40,17 +40,30 @@ def test_a_game_is_kept_beside_its_challenge_and_says_nothing_of_the_truth(tmp_p
     assert game_of(folder) == played == Game(1, 24, hints=1, sure=0.9)
 
 
-def test_the_first_hint_says_how_much_is_hidden(tmp_path: Path) -> None:
-    for level, said in ((1, "One effect is hidden."), (3, "2 effects are hidden.")):
-        new_game(tmp_path / str(level), level=level, shots=3, seed=2)
-        assert hints(tmp_path / str(level), 1, {}) == [said]
+def test_the_first_hint_says_how_much_is_hidden_where_the_level_does_not(tmp_path: Path) -> None:
+    said = ("Nothing is hidden.", "One effect is hidden.")
+    for seed in SEEDS:
+        folder = tmp_path / str(seed)
+        played = new_game(folder, level=2, shots=3, seed=seed)
+        count = len(label_of(folder).effects)
+        assert hints(folder, take_hint(folder, played), {}) == [said[count]]
+
+
+@pytest.mark.parametrize("level", [1, 3, 4])
+def test_where_the_level_says_how_much_the_first_hint_says_where(
+    tmp_path: Path, level: int
+) -> None:
+    played = new_game(tmp_path / "made", level=level, shots=3, seed=2)
+    played = take_hint(tmp_path / "made", played)
+    assert hints(tmp_path / "made", played, {})[0].startswith("Look ")
+    assert score(played, "right").hints == -20
 
 
 def test_further_hints_say_where_to_look_and_what_for_and_name_no_effect(tmp_path: Path) -> None:
     new_game(tmp_path / "made", level=1, shots=3, seed=2)
     hidden = label_of(tmp_path / "made").effects[0].effect
     clues = {hidden: Clue("in the air", "Both spheres slow down.")}
-    _, where, notice = hints(tmp_path / "made", 3, clues)
+    where, notice = hints(tmp_path / "made", Game(1, 3, hints=2), clues)
     assert where == "Look in the air."
     assert notice == "Both spheres slow down."
 
@@ -59,12 +72,13 @@ def test_the_place_is_shown_once_the_hint_that_names_it_was_taken(tmp_path: Path
     new_game(tmp_path / "made", level=1, shots=3, seed=2)
     hidden = label_of(tmp_path / "made").effects[0].effect
     clues = {hidden: Clue("in the air", "Both spheres slow down.")}
-    shown = [places(tmp_path / "made", taken, clues) for taken in range(3)]
-    assert shown == [[], [], ["in the air"]]
+    games = [Game(level, 3, hints=taken) for level in (1, 2) for taken in range(3)]
+    shown = [places(tmp_path / "made", played, clues) for played in games]
+    assert shown == [[], ["in the air"], ["in the air"], [], [], ["in the air"]]
 
 
 def test_there_are_three_hints_and_no_fourth(tmp_path: Path) -> None:
-    played = new_game(tmp_path / "made", level=1, shots=3, seed=2)
+    played = new_game(tmp_path / "made", level=2, shots=3, seed=2)
     for _ in range(3):
         played = take_hint(tmp_path / "made", played)
     with pytest.raises(RefusedError, match="all its hints"):
@@ -86,7 +100,7 @@ def test_a_damaged_game_is_none(tmp_path: Path) -> None:
 def test_few_shots_and_no_hints_give_more() -> None:
     assert score(Game(1, 24), "right").total == 150
     assert score(Game(1, 120), "alias").total == 100
-    assert score(Game(1, 120, hints=2), "partly").total == 20
+    assert score(Game(2, 120, hints=2), "partly").total == 20
     assert score(Game(1, 24), "wrong").total == 0
 
 

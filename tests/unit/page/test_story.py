@@ -89,7 +89,11 @@ def test_an_effect_that_the_shots_do_not_determine_has_no_preview() -> None:
 
 
 def points(x: np.ndarray, mean: np.ndarray) -> dict[str, Any]:
-    return {"trend": {"x": x.tolist(), "mean": mean.tolist()}}
+    """Return the points of one cell, which lie on their mean."""
+    trend = {"x": x.tolist(), "mean": mean.tolist()}
+    shots = list(range(len(x)))
+    own = {"shots": shots, "frames": [-1] * len(x), "x": trend["x"], "residual": trend["mean"]}
+    return {**own, "trend": trend}
 
 
 def row(quantity: str, error: float, p: float) -> dict[str, Any]:

@@ -32,6 +32,8 @@ DRAWN = 6
 """Of so many cells, the most striking ones, a document holds the residuals."""
 MOST_POINTS = 1500
 """So many points of a cell are drawn at most."""
+UNDETERMINED, BEST_TENTH = 30.0, 0.1
+"""A point says nothing whose error is so many times that of the best tenth."""
 DRAWN_DIGITS = 5
 SEED = 1
 """Of the choice of points: the same cell is drawn the same way each time."""
@@ -139,11 +141,15 @@ def drawn(found: CellResiduals) -> Json:
     """Return residuals with the digits that a picture shows, of very many a random choice.
 
     Points come in a fixed order of spheres and frames: a fixed stride would choose one sphere.
+    Left out and counted as `undetermined` are those that lie along a direction in which nothing
+    was measured, such as that of a sliding that hardly is one, towards the only camera.
     """
-    count = len(found.place)
-    chosen = np.arange(count)
+    best = np.quantile(found.sigma, BEST_TENTH) if found.sigma.size else np.inf
+    known = found.sigma <= UNDETERMINED * best
+    chosen = np.flatnonzero(known)
+    count, undetermined = len(chosen), int((~known).sum())
     if count > MOST_POINTS:
-        chosen = np.sort(np.random.default_rng(SEED).permutation(count)[:MOST_POINTS])
+        chosen = np.sort(np.random.default_rng(SEED).permutation(chosen)[:MOST_POINTS])
     some = replace(
         found,
         shots=found.shots[chosen],
@@ -153,7 +159,7 @@ def drawn(found: CellResiduals) -> Json:
         sigma=_rounded(found.sigma[chosen]),
         trend=Trend(*map(_rounded, (found.trend.place, found.trend.mean, found.trend.sigma))),
     )
-    return {**written(cell_points(some)), "of": count}
+    return {**written(cell_points(some)), "of": count, "undetermined": undetermined}
 
 
 def _rounded(values: Floats) -> Floats:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -20,7 +21,8 @@ class Account:
     excluded
         Numbers of the shots that a person left out.
     rejected
-        Numbers of the shots that could not be used, or lie too far from the rest.
+        Why each shot that could not be used, or lies too far from the rest, was left out, by its
+        number.
     frames
         (shot number, frame index) of frames that were taken out of shots that were kept.
     noise
@@ -30,7 +32,7 @@ class Account:
     """
 
     excluded: list[int]
-    rejected: list[int]
+    rejected: Mapping[int, str]
     frames: tuple[tuple[int, int], ...]
     noise: tuple[float, float]
     torn: tuple[TornTrack, ...] = ()
@@ -41,9 +43,8 @@ class Account:
         if self.excluded:
             found.append(f"shots that a person excluded: {self.excluded}")
         if self.rejected:
-            found.append(
-                f"shots left out, too far from the rest or not to be fitted: {self.rejected}"
-            )
+            shots = (f"{number} ({why})" for number, why in self.rejected.items())
+            found.append(f"shots left out as unlike the rest: {', '.join(shots)}")
         if self.frames:
             frames = [f"{frame} of shot {shot}" for shot, frame in self.frames]
             found.append(f"frames left out: {', '.join(frames)}")

@@ -5,6 +5,7 @@ Frames first: a wild frame makes its whole shot look bad. Whatever is taken out 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -49,12 +50,16 @@ class Cleaned:
         Mask of the shots that were kept, shape (S,) of the data handed in.
     frames
         (shot number, frame index) of frames that were taken out of shots that were kept.
+    far
+        Chi-squared per degree of freedom of each shot that was taken out, by its number, in units
+        of the campaign's median.
     """
 
     data: CampaignData
     fit: Fit
     kept: NDArray[np.bool_]
     frames: tuple[Frame, ...]
+    far: Mapping[int, float]
 
 
 def clean(data: CampaignData, theory: Theory | None = None) -> Cleaned:
@@ -72,10 +77,13 @@ def clean(data: CampaignData, theory: Theory | None = None) -> Cleaned:
         data = data.without_frames(wild)
         fit = _robust(data, fit_campaign(data, fit.theory))
     kept, rest = np.ones(len(data.shots), dtype=np.bool_), data
+    far: dict[int, float] = {}
     for _ in range(ROUNDS):
         bad = bad_shots(fit, int((~kept).sum()))
         if not bad.any():
             break
+        quality = _quality(fit)[0]
+        far |= dict(zip(rest.shots[bad].tolist(), quality[bad] / np.median(quality), strict=True))
         kept[np.flatnonzero(kept)[bad]] = False
         rest = data.of_shots(kept)
         left = replace(fit, parts=states_of_shots(rest, fit, ~bad))
@@ -92,7 +100,7 @@ def clean(data: CampaignData, theory: Theory | None = None) -> Cleaned:
         for begun in starts_afresh(fit)
     ]
     fit = min(fits, key=lambda one: one.chi2)
-    return Cleaned(rest, fit, kept, tuple(f for f in frames if f[0] in names))
+    return Cleaned(rest, fit, kept, tuple(f for f in frames if f[0] in names), far)
 
 
 def starts_afresh(fit: FitSummary) -> list[Theory | None]:

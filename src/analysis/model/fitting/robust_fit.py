@@ -16,6 +16,9 @@ from analysis.model.fitting.air import with_measured_air
 from analysis.model.fitting.fit import Fit, fit_campaign
 from analysis.model.fitting.measured_slow import with_measured_slow_errors
 
+NOT_SHOWN = "too few frames show its spheres apart, before the contact or after it"
+FAR = "chi-squared per degree of freedom {far:.3g} times that of the median shot"
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RobustFit:
@@ -38,9 +41,16 @@ class RobustFit:
     @property
     def rejected(self) -> list[int]:
         """Numbers of the shots that were left out."""
-        stated = self.evidence.stated
-        bad = [int(n) for n in stated.shots[~self.evidence.cleaned.kept]]
-        return sorted([*stated.unusable, *bad])
+        return list(self.rejected_why)
+
+    @property
+    def rejected_why(self) -> dict[int, str]:
+        """Why each shot was left out, by its number."""
+        evidence = self.evidence
+        why = dict.fromkeys(evidence.stated.unusable, NOT_SHOWN)
+        for number in evidence.stated.shots[~evidence.cleaned.kept].tolist():
+            why[number] = FAR.format(far=evidence.cleaned.far[number])
+        return dict(sorted(why.items()))
 
     @property
     def excluded(self) -> list[int]:
@@ -52,7 +62,9 @@ class RobustFit:
         """What was left out, and how large the noise was taken to be."""
         evidence = self.evidence
         torn = () if isinstance(evidence.stated, ContactTable) else evidence.stated.torn
-        return Account(self.excluded, self.rejected, evidence.cleaned.frames, evidence.noise, torn)
+        return Account(
+            self.excluded, self.rejected_why, evidence.cleaned.frames, evidence.noise, torn
+        )
 
     def remarks(self) -> list[str]:
         """Say what was left out, and where stated sigmas were not believed."""

@@ -72,12 +72,12 @@ def findings(cells: Sequence[Cell], covariates: Mapping[str, Floats]) -> tuple[F
         return ()
     first = min(
         (one for one in ordered if _says_as_much(one, ordered[0], covariates)),
-        key=lambda one: _rank(one.covariate),
+        key=lambda one: rank_of(one.covariate),
     )
     return (first, *(one for one in ordered if one is not first))
 
 
-def _rank(covariate: str) -> int:
+def rank_of(covariate: str) -> int:
     """Return the place of a covariate: always, how it hit, where; settings and the order alike."""
     known = (ALWAYS, *HOW_IT_HIT, *WHERE)
     return known.index(covariate) if covariate in known else len(known)

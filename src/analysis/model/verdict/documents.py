@@ -47,6 +47,7 @@ def fit_report(title: str, names: Sequence[str], found: Accounted) -> FitReport:
         shots=len(fit.shot_chi2),
         excluded=tuple(account.excluded),
         rejected=tuple(account.rejected),
+        rejected_why=tuple(account.rejected.values()),
         rejected_frames=account.frames,
         torn_tracks=account.torn,
         noise=NoiseFactors(*account.noise),

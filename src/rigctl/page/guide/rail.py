@@ -19,7 +19,7 @@ ENOUGH = 20
 """So many measured shots of one campaign are compared with the model; fewer seldom tell anything.
 Of the thirty that the guide has fired some may be refused."""
 STEPS = (
-    ("Fire a shot", "about 10 s"),
+    ("Fire a shot", "10 s; the first ever on a computer takes minutes"),
     ("Read what was measured", "bounce, sliding, spin"),
     ("Let it fire 30 more", "by itself, some minutes"),
     ("Find what the model misses", "watch the error fall"),
@@ -172,7 +172,10 @@ class Rail:
             )
         if now.step == SWEEP:
             are = "shot is" if now.measured == 1 else "shots are"
-            return f"{now.measured} {are} measured of “{now.campaign}”; {ENOUGH} are enough."
+            return (
+                f"{now.measured} {are} measured of “{now.campaign}”. From {ENOUGH} on they are "
+                "compared; all thirty say more."
+            )
         if now.step == COMPARE:
             return (
                 f"{now.measured} shots are measured. Now hold them against the model: where it is "

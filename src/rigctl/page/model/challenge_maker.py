@@ -7,6 +7,7 @@ from pathlib import Path
 
 from nicegui import ui
 
+from analysis.errors import counted
 from rigctl import challenge, game
 from rigctl.errors import RigError
 from rigctl.page.desk import Desk
@@ -98,7 +99,7 @@ def standing(folder: Path) -> str:
     level = "" if played is None else f"level {played.level}, {played.shots} shots: "
     if not (folder / challenge.ANSWER).is_file():
         taken = 0 if played is None else played.hints
-        return f"{level}open" + (f", {taken} of {len(game.HINT_COSTS)} hints" if taken else "")
+        return f"{level}open" + (f", {counted(taken, 'hint')} taken" if taken else "")
     try:
         _, _, outcome = challenge.reveal(folder)
     except RigError:

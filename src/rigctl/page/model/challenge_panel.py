@@ -160,9 +160,14 @@ class ChallengePanel:
             self._open()
 
     def _open(self) -> None:
+        hidden = (
+            "Something is hidden in it, or nothing."
+            if self._game is None or self._game.level not in game.COUNTED
+            else "Something is hidden in it."
+        )
         ui.label(
-            "Something is hidden in it, or nothing. Name it: the answer is written once and never "
-            "changed. Then the seal can be broken."
+            f"{hidden} Name it: the answer is written once and never changed. Then the seal can "
+            "be broken."
         ).classes("note")
         with ui.element("div").classes("stack"):
             self._hint()
@@ -193,14 +198,13 @@ class ChallengePanel:
             f"Level {self._game.level}: {game.LEVELS[self._game.level - 1]}. "
             f"{self._game.shots} shots."
         ).props("data-testid=game")
-        taken = self._game.hints
-        for said in game.hints(self._folder, taken, clues()):
+        for said in game.hints(self._folder, self._game, clues()):
             ui.label(f"Hint: {said}").props("data-testid=hint")
         if self._look is not None:
-            for place in game.places(self._folder, taken, clues()):
+            for place in game.places(self._folder, self._game, clues()):
                 self._look_button(place, self._look)
-        if taken < len(game.HINT_COSTS):
-            words = f"{HINTS[taken]} A hint for {game.HINT_COSTS[taken]} points"
+        if left := self._game.offered[self._game.hints :]:
+            words = f"{HINTS[left[0]]} A hint for {game.HINT_COSTS[left[0]]} points"
             button(words, self._take_hint, testid="take-hint")
 
     @staticmethod

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from nicegui import ui
 
 from analysis.errors import counted
+from rigctl.documents import Json
 from rigctl.errors import RigError
 from rigctl.page.desk import Desk
 from rigctl.page.guide.rail import Rail
@@ -28,12 +29,12 @@ from rigctl.page.parts.plotting import expect_plots
 from rigctl.page.parts.presence import kept_page
 from rigctl.page.parts.waiting import Waiting
 from rigctl.page.parts.widgets import button
+from rigctl.page.shots.residuals import rejected_of
 from rigctl.store import ShotState
 
 LOOK_S = 0.05
 """How often the page looks for an answer: who waits for a fit waits for half of it on average."""
 STORY, TABLES = VIEWS = ("story", "tables")
-LEFT_OUT = {"rejected": "left out as too far from the rest", "excluded": "excluded by a person"}
 
 
 class ModelView:
@@ -116,7 +117,7 @@ class ModelView:
             else:
                 ui.html(f"<h2>{state.source.title}</h2>", sanitize=True)
             if state.present is not None:
-                ui.label(_counted(state.present)).classes("aside").props("data-testid=counted")
+                self._used(state.present)
             ui.space()
             with ui.element("nav").classes("beside views").props('aria-label="view"'):
                 for name in VIEWS:
@@ -142,6 +143,19 @@ class ModelView:
                     with undo:
                         ui.label("×")
 
+    def _used(self, found: Json) -> None:
+        """Say how many shots were used, and of each that was not why."""
+        why = left_out_of(found, self._state.source)
+        used = counted(found["shots"], "shot")
+        if not why:
+            ui.label(f"{used} used").classes("aside").props("data-testid=counted")
+            return
+        with ui.element("details").classes("note").props("data-testid=counted"):
+            numbers = ", ".join(map(str, why))
+            ui.html(f"{used} used, left out: {numbers}", sanitize=False, tag="summary")
+            for number, reason in why.items():
+                ui.label(f"Shot {number}: {reason}.")
+
     def _busy(self) -> None:
         def look() -> str:
             job = self._state.waits()
@@ -157,13 +171,14 @@ class ModelView:
                 button("Ask again", lambda: self._take(self._state.effects))
 
 
-def _counted(found: dict[str, object]) -> str:
-    text = f"{found['shots']} shot{'' if found['shots'] == 1 else 's'} used"
-    for key, why in LEFT_OUT.items():
-        numbers = found[key]
-        if isinstance(numbers, list) and numbers:
-            text += f", {why}: {', '.join(map(str, numbers))}"
-    return text
+def left_out_of(found: Json, source: Source) -> dict[int, str]:
+    """Return why shots were left out of a fit, by number: by the fit, or by whom excluded them."""
+    why = rejected_of(found)
+    for number in found["excluded"]:
+        stored = source.stored(number)
+        reason = "" if stored is None or not stored.excluded else f": {stored.excluded}"
+        why[number] = f"excluded by a person{reason}"
+    return {number: why[number].rstrip(".") for number in sorted(why)}
 
 
 LEAST_SHOTS = 3

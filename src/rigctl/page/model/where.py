@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from nicegui import events, ui
 
+from analysis.errors import counted
 from analysis.model.structure.findings import ALWAYS
 from rigctl.documents import Json
 from rigctl.page.desk import Desk
@@ -35,6 +36,17 @@ def apart(points: Json) -> Json:
     for index, place in enumerate(places):
         first.setdefault(place, index)
     return {**points, **{name: [points[name][i] for i in first.values()] for name in BY_POINT}}
+
+
+def undetermined(points: Json) -> str:
+    """Say how many points are not drawn as nothing determines them; empty where none is."""
+    count = points.get("undetermined", 0)
+    if not count:
+        return ""
+    return (
+        f"{counted(count, 'point')} not drawn: nothing was measured along its direction, such as "
+        "that of the sliding where nothing slides."
+    )
 
 
 def _places(values: Sequence[float], count: int) -> list[int]:
@@ -136,11 +148,12 @@ class Where:
 
     def _tell(self) -> None:
         drawn, all_points = len(self._drawn["x"]), self._points["of"]
+        unsaid = undetermined(self._points)
         few = f"{drawn} of {all_points} points are drawn, none upon another. "
         by_shot = all(frame < 0 for frame in self._points["frames"])
         each = "Each point is a shot" if by_shot else "Each point is a frame of a shot"
         self._told.set_text(
-            f"{few if drawn < all_points else ''}{each}; click one to see the shot's film."
+            f"{few if drawn < all_points else ''}{each}; click one to see the shot's film. {unsaid}"
         )
 
     def _chosen(self) -> Json:

@@ -21,6 +21,9 @@ waited for the connection before that."""
 ECHO_S = 30.0
 POLL_S = 0.02
 
+_rests: list[Callable[[], bool]] = []
+"""What says that all pages rest."""
+
 _coming_back: Counter[str] = Counter()
 """How many answers are waited for, by the client's name."""
 
@@ -30,13 +33,24 @@ def kept_page(path: str) -> ui.page:
     return ui.page(path, reconnect_timeout=KEPT_S)
 
 
+def rest_while(*fires: Callable[[], bool]) -> None:
+    """Have no page look at anything while one of these is true; replaces what was said before."""
+    _rests[:] = fires
+
+
 def every(period_s: float, look: Callable[[], Awaitable[None] | None]) -> None:
-    """Call `look` again and again; while the page has no connection nobody looks."""
+    """Call `look` again and again; while the page has no connection nobody looks.
+
+    Nor does anybody while pages rest: what a page computes would be done beside a fire request, in
+    the same interpreter, before the trigger has its bytes.
+    """
     client = context.client
 
     async def go() -> None:
         timer.interval = period_s if client.has_socket_connection else UNSEEN_S
-        if client.has_socket_connection and (waits := look()) is not None:
+        if not client.has_socket_connection or any(fires() for fires in _rests):
+            return
+        if (waits := look()) is not None:
             await waits
 
     timer = ui.timer(period_s, go)

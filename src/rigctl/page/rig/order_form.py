@@ -178,6 +178,7 @@ class OrderForm:
                 actor=who,
             ),
             moves=True,
+            fires=True,
         )
 
     async def _on_disarm(self) -> None:

@@ -62,6 +62,10 @@ class Films:
         """Return the latest result but for its poses and drawings; empty while there is none."""
         return self._read(shot.id, shot.results)[0] if shot.results else {}
 
+    def earlier(self, shot: ShotRecord) -> Json:
+        """Return the result before the latest one, likewise; empty where there is none."""
+        return self._read(shot.id, shot.results - 1)[0] if shot.results > 1 else {}
+
     def film(self, shot: ShotRecord) -> Film:
         """Return the film of a shot that has frames.
 

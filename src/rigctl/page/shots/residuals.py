@@ -125,11 +125,14 @@ class ShotResiduals:
         button("Compare", self._start, testid="compare-shot")
 
 
+def rejected_of(found: Json) -> dict[int, str]:
+    """Return why a fit left out each shot that it did, by its number."""
+    return dict(zip(found["rejected"], found["rejected_why"], strict=True))
+
+
 def _compared(shot: ShotRecord, answer: Json) -> None:
-    if shot.number in answer["rejected"]:
-        ui.label("The fit left this shot out: it lies too far from the rest.").classes(
-            "verdict bad"
-        )
+    if (why := rejected_of(answer).get(shot.number)) is not None:
+        ui.label(f"The fit left this shot out: {why}.").classes("verdict bad")
         return
     if shot.number in answer["excluded"]:
         ui.label("The fit left this shot out: a person excluded it.").classes("empty")

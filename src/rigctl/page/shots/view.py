@@ -25,7 +25,8 @@ from rigctl.store import ShotRecord, ShotState
 LOOK_S = 0.25
 USUAL_S = 4.0
 """Of a shot of some twenty frames on a small computer, its worker's start with it, s."""
-COMPILES = "Machine code is being compiled, once on this host: it takes a minute or two"
+AGAIN_SAID = ("e", "beta")
+COMPILES = "Machine code is being compiled, once on this host: it takes some minutes"
 MEASURES = "Measuring its frames"
 CANCELS = "It is being cancelled"
 
@@ -95,6 +96,7 @@ async def read(desk: Desk, shot: ShotRecord) -> None:
 def _read(desk: Desk, shot: ShotRecord) -> None:
     with suppress(RigError):
         desk.films.result(shot)
+        desk.films.earlier(shot)
         if shot.frames:
             desk.films.film(shot)
 
@@ -158,6 +160,8 @@ def coefficients(desk: Desk, shot: ShotRecord) -> None:
             "",
         ]
         facts(headings, lines, "coefficients")
+        if said := measured_again(result, desk.films.earlier(shot)):
+            ui.label(said).classes("note").props("data-testid=measured-again")
         if shot.failure:
             _told("The last analysis added nothing.", shot.failure)
     elif shot.state in WAITED_FOR:
@@ -170,6 +174,26 @@ def coefficients(desk: Desk, shot: ShotRecord) -> None:
         refused_card(desk, shot, result, why)
     else:
         ui.label(f"{shot.state} …".capitalize()).classes("empty")
+
+
+def measured_again(now: Json, before: Json) -> str:
+    """Say what a further analysis has changed of e and beta, and with what; empty if nothing."""
+    if before.get("status") != "measured":
+        return ""
+    changed = []
+    for name in AGAIN_SAID:
+        was, is_now = (
+            measured(COEFFICIENTS[name], one.get(name)).cells[1] for one in (before, now)
+        )
+        if was != is_now:
+            changed.append(f"{COEFFICIENTS[name].name} was {was}, is {is_now}")
+    if not changed:
+        return ""
+    learned = now["method"] == before["method"] == "photometric"
+    how = (
+        "with what is known of its spheres by now" if learned else f"by the method {now['method']}"
+    )
+    return f"Measured again, {how}: {'; '.join(changed)}."
 
 
 def _told(lead: str, why: str, testid: str = "refusal") -> None:

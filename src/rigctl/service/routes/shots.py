@@ -47,7 +47,7 @@ def shot_routes(daemon: Daemon, lanes: Lanes) -> APIRouter:
         The same key again gives the stored answer and fires nothing; with another body it is 422,
         and 409 while its shot is under way.
         """
-        record = await lanes.control(
+        record = await lanes.fire(
             lambda: daemon.rig.accept(
                 token=order.arm_token,
                 key=key,

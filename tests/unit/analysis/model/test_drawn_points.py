@@ -9,6 +9,7 @@ import pytest
 
 from analysis.model.agreement.document import MOST_POINTS, drawn
 from analysis.model.structure.structure import CellResiduals, Trend
+from rigctl.page.model.where import undetermined
 
 
 @pytest.mark.parametrize("spheres", [2, 3, 4, 8])
@@ -30,6 +31,15 @@ def test_points_keep_their_shots_and_their_order() -> None:
 
 def test_few_points_are_all_drawn() -> None:
     assert drawn(cell(50, 2))["shots"] == list(range(50))
+
+
+def test_points_along_a_direction_that_nothing_measured_are_counted_and_not_drawn() -> None:
+    sigma = np.where(np.arange(50) % 10 == 3, 1e3, 1.0)
+    points = drawn(replace(cell(50, 2), residual=sigma, sigma=sigma))
+    assert max(points["residual"]) == 1.0
+    assert (points["of"], points["undetermined"]) == (45, 5)
+    assert undetermined(points).startswith("5 points not drawn: nothing was measured along")
+    assert undetermined(drawn(cell(50, 2))) == ""
 
 
 def test_numbers_have_the_digits_that_a_picture_shows() -> None:

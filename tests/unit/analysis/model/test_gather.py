@@ -14,7 +14,7 @@ from analysis.errors import InputError
 from analysis.exchange.pose_table import measured_poses, pose_writer, read_poses
 from analysis.model.data.gather import gather
 from analysis.model.data.poses import PoseData
-from analysis.model.fitting.robust_fit import robust_fit
+from analysis.model.fitting.robust_fit import NOT_SHOWN, robust_fit
 from analysis.shot import MeasuredShot, analyse_shot
 from simulators.world import WorldDescription
 from tests.unit.analysis.model.exchange_folder import write_campaign
@@ -180,7 +180,7 @@ def test_a_shot_that_never_shows_both_spheres_is_left_out_and_named(folder: Path
     _, data = gather(folder)
     assert data.shots.tolist() == [1, 3, 4]
     assert data.unusable == (2,)
-    assert robust_fit(data).rejected == [2]
+    assert robust_fit(data).rejected_why == {2: NOT_SHOWN}
 
 
 def test_without_a_top_view_the_rest_is_fitted(tmp_path: Path) -> None:

@@ -11,9 +11,11 @@ from analysis.model.verdict.standing import AT_THE_FLOOR, SURE
 from rigctl.documents import Json
 from rigctl.page.model.compare import is_unexpected
 from rigctl.page.model.story.bars import Bar, bars
+from rigctl.page.model.story.cards import Card
 from rigctl.page.model.story.errors import Unseen, three_figures
 from rigctl.page.model.story.plots import before_after
 from rigctl.page.model.story.preview import plainest
+from rigctl.page.model.story.where import PLACES
 from rigctl.page.model.story.words import channel, sized
 from rigctl.page.model.where import apart
 from rigctl.page.parts.quantities import EXPECTED
@@ -32,9 +34,9 @@ def fell(title: str, before: Unseen, after: Unseen) -> str:
     return f"{told}; the floor is 1.00."
 
 
-def changed(before: Json, after: Json) -> None:
-    """Place the points without and with the effect beside each other, on the same axes."""
-    shown = plainest(before, after)
+def changed(before: Json, after: Json, card: Card) -> None:
+    """Place the points without and with an effect beside each other, on the same axes."""
+    shown = plainest(before, after, PLACES.get(card.where, ""))
     if shown is None:
         return
     cell, first, second = shown

@@ -79,7 +79,7 @@ class ShotFilm:
                 self._film()
             ui.label(
                 "Solid: where each sphere was measured. Dashed: where the model, given the flight "
-                "before contact, predicts it. The loupe shows the gap at its true size."
+                "before contact, predicts it. The loupe magnifies the true gap."
             ).classes("note")
 
     @ui.refreshable_method

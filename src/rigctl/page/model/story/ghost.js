@@ -5,7 +5,7 @@ window.ghostFilm = (root, film) => {
   const play = root.querySelector("button");
   const circle = (x, y, r, look) => `<circle cx="${x}" cy="${y}" r="${r}" ${look}/>`;
   const clip = `loupe-${root.id}`;
-  // Of the view where it is largest, the gap at its true size, in the corner farthest from rings.
+  // Of the view where it is largest, the true gap magnified, in the corner farthest from rings.
   const loupe = (frame) => {
     const gap = (ring) => Math.hypot(ring[4], ring[5]);
     const seen = frame.rings.filter((ring) => ring[4] !== null && gap(ring) > 0);

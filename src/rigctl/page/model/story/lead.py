@@ -18,6 +18,7 @@ from rigctl.page.model.story.cards import Card, card_of
 from rigctl.page.model.story.errors import Unseen
 from rigctl.page.model.story.plots import UNITS_OF_LOGARITHMS, dots_plot, line_plot
 from rigctl.page.model.story.preview import Preview, plainest, preview
+from rigctl.page.model.story.where import PLACES
 from rigctl.page.model.story.words import channel, covariate, goes_with
 from rigctl.page.model.where import apart
 from rigctl.page.parts.tables import minus, with_error
@@ -186,7 +187,7 @@ def lead_card(
     """
     before, after = fits
     card = card_of(effect)
-    shown = plainest(before, after)
+    shown = plainest(before, after, PLACES.get(card.where, ""))
     sums = None
     points = parsed(cell["points"])
     if shown is not None and after is not None:
@@ -202,9 +203,9 @@ def lead_card(
                 "strong"
             )
             with ui.element("div").classes("layers"):
-                plot(dots_plot(cell, drawn))
+                plot(dots_plot(cell, drawn, () if sums is None else sums.curve))
                 if sums is not None:
-                    plot(line_plot(cell, drawn, (sums.x, [0.0] * len(sums.x)))).classes("over")
+                    plot(line_plot(cell, drawn, sums.x, sums.curve)).classes("over")
             ui.label("Dots: what the model lacks. Line: what it gains from this effect.").classes(
                 "note"
             )

@@ -34,17 +34,17 @@ def cell_plot(
     return _plot(drawn, cell, points)
 
 
-def dots_plot(cell: Json, points: Json) -> Json:
-    """Return measured less model of a cell."""
-    return _plot([_shots(points, MEASURED, 0.6)], cell, points)
+def dots_plot(cell: Json, points: Json, line: Sequence[float] = ()) -> Json:
+    """Return measured less model of a cell; `line` is what `line_plot` draws at the best size."""
+    return _plot([_shots(points, MEASURED, 0.6)], cell, points, line)
 
 
-def line_plot(cell: Json, points: Json, curve: tuple[Sequence[float], Sequence[float]]) -> Json:
-    """Return a curve alone on the axes of `dots_plot`, to lie over it.
+def line_plot(cell: Json, points: Json, x: Sequence[float], line: Sequence[float]) -> Json:
+    """Return a line at zero on the axes of `dots_plot`, to lie over it.
 
     A slider redraws this one alone: the dots, a thousand of them, take several times as long.
     """
-    drawn = _plot([_line(curve)], cell, points)
+    drawn = _plot([_line((x, [0.0] * len(x)))], cell, points, line)
     for axis in ("xaxis", "yaxis"):
         drawn["layout"][axis]["visible"] = False
     drawn["layout"]["shapes"] = []
@@ -120,8 +120,9 @@ def before_after(cell: Json, before: Json, after: Json | None) -> Json:
     return _plot([_shots(before, GREY, 0.25), _shots(after, MEASURED, 0.7)], cell, before)
 
 
-def _plot(traces: list[Json], cell: Json, points: Json) -> Json:
-    low, high = min([0.0, *points["residual"]]), max([0.0, *points["residual"]])
+def _plot(traces: list[Json], cell: Json, points: Json, line: Sequence[float] = ()) -> Json:
+    seen = [0.0, *points["residual"], *line]
+    low, high = min(seen), max(seen)
     room = 0.06 * (high - low)
     left, right = min(points["x"]), max(points["x"])
     beside = 0.04 * (right - left)

@@ -7,12 +7,21 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from analysis.model.structure.findings import ALWAYS
+from analysis.arrays import Floats
+from analysis.model.structure.findings import ALWAYS, rank_of
+from analysis.model.verdict.standing import SURE
 from rigctl.documents import Json
 from rigctl.page.model.compare import parsed
 from rigctl.page.model.story.errors import Unseen
+from rigctl.page.model.where import block_of
 
 POINTS = 60
+LEAST_SHARE = 0.2
+"""Of the variance of a cell's points: a curve that explains less is hardly seen among them."""
+NEARLY = 0.15
+"""Cells explained less by this share of the best say nearly as much."""
+FEWEST, PARTS = 8, 5
+"""Of the shots nearest to a place so many, or this part of all, say what is gained there."""
 LOOKED_AT = 12
 """Of the cells that show most: the points of one are thousands of characters to read."""
 
@@ -51,8 +60,7 @@ class Preview:
 def preview(before: Json, after: Json, effect: str, points: tuple[Json, Json]) -> Preview | None:
     """Return the preview from two full fits, without an effect and with it.
 
-    The model gains what its residuals lose: the running means of the same cell differ by the
-    curve of the effect, while the noise of the shots stays in both.
+    The model gains what its residuals lose, as `gained` takes it from both fits.
 
     Parameters
     ----------
@@ -65,9 +73,10 @@ def preview(before: Json, after: Json, effect: str, points: tuple[Json, Json]) -
     )
     if found is None or not found["value"]:
         return None
-    first, second = points[0]["trend"], points[1]["trend"]
-    x = np.linspace(min(first["x"]), max(first["x"]), POINTS)
-    curve = np.interp(x, first["x"], first["mean"]) - np.interp(x, second["x"], second["mean"])
+    first = points[0]
+    span = first["x"] if _by_shot(first) else first["trend"]["x"]
+    x = np.linspace(min(span), max(span), POINTS)
+    curve = gained(*points, x)
     return Preview(
         best=found["value"],
         sigma=found.get("sigma") or 0.0,
@@ -78,29 +87,85 @@ def preview(before: Json, after: Json, effect: str, points: tuple[Json, Json]) -
     )
 
 
-def plainest(before: Json, after: Json | None) -> tuple[Json, Json, Json] | None:
+Shown = tuple[Json, Json, Json]
+"""A cell, and its points in the fit before and in the fit after."""
+
+
+def plainest(before: Json, after: Json | None, place: str) -> Shown | None:
     """Return the cell whose points an effect's curve explains best, and its points in both fits.
 
-    None without a second fit, or if both have no cell in common.
+    Cells of the place where the effect acts go first, as far as they show something that the
+    effect explains: what a contact does to the flights is drawn in the picture more plainly, and
+    says less about the contact. Of cells that are explained nearly alike the first is what
+    happened, and settings the last. None without a second fit, or if both have no cell in common.
+
+    Parameters
+    ----------
+    place
+        Block in which the effect acts, as `block_of` names it; empty: nowhere by itself.
     """
     after_cells = {} if after is None else {_name(cell): cell for cell in after["findings"]}
-    best, most = None, -math.inf
-    for cell in before["findings"][:LOOKED_AT]:
-        if cell["covariate"] == ALWAYS or _name(cell) not in after_cells:
-            continue
-        points = parsed(cell["points"]), parsed(after_cells[_name(cell)]["points"])
-        if (share := _explained(*points)) > most:
-            best, most = (cell, *points), share
-    return best
+    cells = [
+        cell
+        for cell in before["findings"]
+        if cell["covariate"] != ALWAYS and _name(cell) in after_cells
+    ]
+    own = [c for c in cells if block_of(c) == place and c["p_familywise"] < SURE]
+    for looked_at, least in ((own, LEAST_SHARE), (cells, -math.inf)):
+        shares = {}
+        for number, cell in enumerate(looked_at[:LOOKED_AT]):
+            points = parsed(cell["points"]), parsed(after_cells[_name(cell)]["points"])
+            shares[number] = _explained(*points), (cell, *points)
+        most = max((share for share, _ in shares.values()), default=-math.inf)
+        if shares and most >= least:
+            near = [found for share, found in shares.values() if share >= most - NEARLY * abs(most)]
+            return min(near, key=lambda found: rank_of(found[0]["covariate"]))
+    return None
 
 
 def _explained(before: Json, after: Json) -> float:
     """Return the share of the residuals' variance that goes with the difference of the means."""
-    first, second = before["trend"], after["trend"]
     x, residual = np.asarray(before["x"]), np.asarray(before["residual"])
-    curve = np.interp(x, first["x"], first["mean"]) - np.interp(x, second["x"], second["mean"])
     whole = float(np.var(residual))
-    return 1.0 - float(np.var(residual - curve)) / whole if whole > 0 else 0.0
+    rest = float(np.var(residual - gained(before, after, x)))
+    # A curve through the shots' own gains follows chance too, as far as it is free.
+    free = 2 * PARTS if _by_shot(before) else 0
+    rest *= len(x) / max(len(x) - free, 1)
+    return 1.0 - rest / whole if whole > 0 else 0.0
+
+
+def gained(before: Json, after: Json, at: Floats) -> Floats:
+    """Return what the model gains in a cell at some places of its covariate, shape (G,).
+
+    Of shots by each shot's own gain, in which its noise has no part: a line through the nearest
+    ones, as a running mean of the residuals would cut every peak and turn away from both ends. Of
+    frames by the fitted curves of both fits.
+    """
+    own = {shot: k for k, shot in enumerate(after["shots"])}
+    both = [(k, own[shot]) for k, shot in enumerate(before["shots"]) if shot in own]
+    if not _by_shot(before) or len(both) < FEWEST:
+        first, second = before["trend"], after["trend"]
+        found = np.interp(at, first["x"], first["mean"])
+        return np.asarray(found - np.interp(at, second["x"], second["mean"]))
+    here, there = np.transpose(both)
+    x = np.asarray(before["x"])[here]
+    gain = np.asarray(before["residual"])[here] - np.asarray(after["residual"])[there]
+    return np.array([_line_at(x, gain, place) for place in at])
+
+
+def _by_shot(points: Json) -> bool:
+    return all(frame < 0 for frame in points["frames"])
+
+
+def _line_at(x: Floats, y: Floats, place: float) -> float:
+    """Return a straight line through the nearest points at a place, the nearer the more weight."""
+    away = x - place
+    distance = np.abs(away)
+    near = np.sort(distance)[max(FEWEST, len(x) // PARTS) - 1]
+    weight = np.clip(1.0 - (distance / (1.001 * near + 1e-300)) ** 3, 0.0, 1.0) ** 3
+    slopes = np.stack([np.ones_like(away), away], axis=1)
+    solved = np.linalg.lstsq(slopes * np.sqrt(weight)[:, None], y * np.sqrt(weight), rcond=1e-9)
+    return float(solved[0][0])
 
 
 def _name(cell: Json) -> tuple[str, str]:

@@ -315,9 +315,9 @@ class Story:
         path = self._state.path()
         if found["with"] and len(path) > 1:
             before, after = path[-2], path[-1]
-            title = card_of(described(found)[found["with"][-1]]).title
-            _lede(fell(title, Unseen.of(before), Unseen.of(after)), "story-added")
-            changed(before, after)
+            card = card_of(described(found)[found["with"][-1]])
+            _lede(fell(card.title, Unseen.of(before), Unseen.of(after)), "story-added")
+            changed(before, after, card)
         else:
             ui.label(
                 "Nothing is added yet. “Add it” in step 3 puts the effect into the model and fits "

@@ -15,7 +15,7 @@ from rigctl.page.model.compare import parsed
 from rigctl.page.model.story.bars import Bar, bars
 from rigctl.page.model.story.plots import cell_plot
 from rigctl.page.model.story.words import channel, goes_with, heading, where
-from rigctl.page.model.where import apart, block_of
+from rigctl.page.model.where import apart, block_of, undetermined
 from rigctl.page.parts.choosing import Choice, press
 from rigctl.page.parts.widgets import plot, redraw
 
@@ -231,6 +231,8 @@ class WhereItFails:
                 self._plot = plot(self._figure())
                 self._plot.on("plotly_click", self._on_point).props("data-testid=story-points")
                 ui.label("Click a dot: the film above shows its shot, ringed here.").classes("note")
+                self._unsaid = ui.label().classes("note")
+                self._say_undetermined()
 
     @ui.refreshable_method
     def _told(self) -> None:
@@ -246,6 +248,12 @@ class WhereItFails:
     def _name(self) -> str:
         cell = self._cells.chosen
         return "" if cell is None else f"{channel(cell['channel']).capitalize()}, {goes_with(cell)}"
+
+    def _say_undetermined(self) -> None:
+        cell = self._cells.chosen
+        said = "" if cell is None else undetermined(parsed(cell["points"]))
+        self._unsaid.set_text(said)
+        self._unsaid.set_visibility(bool(said))
 
     def _figure(self) -> Json:
         cell = self._cells.chosen
@@ -295,6 +303,7 @@ class WhereItFails:
         self._cells.chosen = cell
         self._told.refresh()
         self._named.set_text(self._name())
+        self._say_undetermined()
         redraw(self._plot, self._figure())
         self._mark()
 
