@@ -12,6 +12,7 @@ from analysis.launch.scatter import scatter_variance
 from analysis.launch.settings import LaunchSettings
 from analysis.launch.theory import LaunchTheory
 from analysis.launch.touch import traced_back
+from analysis.model.loops.blocks import whitened
 
 _TOUCH_STEP = np.array([1e-6] * 6 + [1e-3] * 6 + [1e-7] * 5)
 
@@ -46,9 +47,8 @@ class Compared:
 
     def whitened(self, scatter: Floats) -> tuple[Floats, Floats]:
         """Return residuals (S, 17) and derivatives (S, 17, P) in units of their standard errors."""
-        root = np.linalg.cholesky(self.variance(scatter))
         stacked = np.concatenate([self.residual[..., None], self.derivative], axis=-1)
-        both = np.linalg.solve(root, stacked)
+        both = whitened(self.variance(scatter), stacked)
         return both[..., 0], both[..., 1:]
 
 

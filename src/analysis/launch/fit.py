@@ -34,12 +34,16 @@ from analysis.launch.theory import LaunchTheory
 from analysis.model.data.tables import Data
 from analysis.model.fitting.fit import Fit
 from analysis.model.fitting.normal import inverse
+from analysis.model.loops.blocks import whitened
 
 FEWEST_SHOTS = 5
 ROUNDS = 40
 SETTLED, NEARLY_SETTLED = 1e-3, 0.02
 """A step below this share of every standard error ends the fit, if the scatter stays as well; the
 second is enough to tell misfires."""
+BETWEEN_JUMPS, NEARING = 4, 0.9
+"""Scatters from which the limit of a row of rounds is taken, and the largest ratio of two changes
+that follow each other for which it is."""
 SHARES = (1.0, 0.5, 0.2, 0.05)
 REJECTIONS, ALARM_SHARE, PHYSICS_SHARE = 4, 0.005, 0.15
 ENOUGH_TO_BEGIN = 200
@@ -149,6 +153,7 @@ def _settle(
     compared, freedom = compare(theory, settings, touches), _all_free(len(touches.rows))
     scatter, covariance = _scatter(compared, freedom), np.zeros((0, 0))
     converged, traced = False, True
+    since = [scatter]
     for _ in range(ROUNDS):
         matrix, gradient = _sums(theory, compared, scatter)
         covariance = inverse(matrix)
@@ -156,11 +161,15 @@ def _settle(
         theory, compared = _step(theory, step, (compared, scatter), settings, touches)
         freedom = _freedom(compared, scatter, covariance)
         before, scatter = scatter, _scatter(compared, freedom)
+        since.append(scatter)
         still = np.abs(scatter - before) <= within * np.maximum(scatter, 1e-12)
         small = np.abs(step) <= within * np.sqrt(np.diag(covariance))
         converged = bool(still.all() and small.all())
         if converged and traced:
             break
+        if len(since) == BETWEEN_JUMPS:
+            scatter = _limit(since)
+            since = [scatter]
         # Errors are traced back by a theory of an earlier round, until it hardly moves any more.
         traced = converged
         if traced:
@@ -176,6 +185,18 @@ def _settle(
         rejected=touches.shots[:0],
         converged=converged,
     )
+
+
+def _limit(since: Sequence[Floats]) -> Floats:
+    """Return where rounds take a scatter that nears it by the same share in each.
+
+    A. C. Aitken, Proc. R. Soc. Edinb. 46, 289 (1926). Kinds that do not near anything stay.
+    """
+    older, old, scatter = since[-3:]
+    first, second = old - older, scatter - old
+    nearing = (first * second > 0) & (np.abs(second) < NEARING * np.abs(first))
+    rest = np.divide(second**2, first - second, out=np.zeros_like(second), where=nearing)
+    return np.asarray(np.maximum(scatter + rest, 0.0))
 
 
 def _step(
@@ -201,9 +222,8 @@ def _step(
 def _cost(theory: LaunchTheory, residual: Floats, variance: Floats) -> float:
     """Return chi-squared of residuals (S, 17) at a fixed variance, with the prior."""
     centre, width = theory.prior
-    solved = np.linalg.solve(variance, residual[..., None])[..., 0]
-    prior = (((theory.vector - centre) / width) ** 2).sum()
-    return float((residual * solved).sum() + prior)
+    squares = whitened(variance, residual[..., None]) ** 2
+    return float(squares.sum() + (((theory.vector - centre) / width) ** 2).sum())
 
 
 def _sums(theory: LaunchTheory, compared: Compared, scatter: Floats) -> tuple[Floats, Floats]:

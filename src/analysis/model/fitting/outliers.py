@@ -16,7 +16,7 @@ from analysis.arrays import Floats
 from analysis.model.data.poses import Frame, PoseData
 from analysis.model.data.stream import CampaignData, PoseStream
 from analysis.model.data.tables import ContactTable
-from analysis.model.fitting.fit import Fit, fit_campaign, states_of_shots
+from analysis.model.fitting.fit import FEW, Fit, fit_campaign, states_of_shots
 from analysis.model.fitting.summary import FitSummary
 from analysis.model.predict.linear import whitened_residual
 from analysis.model.predict.prediction import predict
@@ -93,19 +93,19 @@ def clean(data: CampaignData, theory: Theory | None = None) -> Cleaned:
     # Where nothing was taken out, the first fit is the one from its start, and near it where
     # nothing was held down either.
     same = rest is whole
-    fits = [
-        first
-        if same and (begun is theory or (fit is first and _begun_at(theory, begun, fit)))
-        else fit_campaign(rest, begun)
-        for begun in starts_afresh(fit)
-    ]
+    fits = [first] if same else []
+    for begun in starts_afresh(fit):
+        begun_so = begun is theory or (fit is first and _begun_at(theory, begun, fit))
+        if not (same and begun_so):
+            fits.append(fit_campaign(rest, begun))
     fit = min(fits, key=lambda one: one.chi2)
     return Cleaned(rest, fit, kept, tuple(f for f in frames if f[0] in names), far)
 
 
 def starts_afresh(fit: FitSummary) -> list[Theory | None]:
-    """Return from where to fit afresh: the law as it is, and for the base model any other."""
-    return [fit.theory] if fit.theory.active else [fit.theory, None]
+    """Return from where to fit afresh: the law as it is, and of few shots the base model's too."""
+    few = len(fit.shot_chi2) <= FEW and not fit.theory.active
+    return [fit.theory, None] if few else [fit.theory]
 
 
 def _begun_at(theory: Theory | None, begun: Theory | None, fit: FitSummary) -> bool:

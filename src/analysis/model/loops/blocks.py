@@ -38,16 +38,8 @@ def solved(matrices: Floats, right: Floats, damping: Floats) -> Floats:
     root, scale = np.empty((size, size)), np.empty(size)
     for s in range(shots):
         _factor(matrices[s], damping[s], root, scale)
-        rows, given = result[s], right[s]
-        for a in range(size):
-            for k in range(count):
-                rows[a, k] = given[a, k] / scale[a]
-            for b in range(a):
-                share = root[a, b]
-                for k in range(count):
-                    rows[a, k] -= share * rows[b, k]
-            for k in range(count):
-                rows[a, k] /= root[a, a]
+        rows = result[s]
+        _forward(root, scale, right[s], rows)
         for a in range(size - 1, -1, -1):
             for k in range(count):
                 rows[a, k] /= root[a, a]
@@ -57,6 +49,28 @@ def solved(matrices: Floats, right: Floats, damping: Floats) -> Floats:
                     rows[b, k] -= share * rows[a, k]
             for k in range(count):
                 rows[a, k] /= scale[a]
+    return result
+
+
+@compiled
+def whitened(variances: Floats, columns: Floats) -> Floats:
+    """Return L^-1 b of each shot, L L' its covariance: columns in units of independent errors.
+
+    Parameters
+    ----------
+    variances, columns
+        Shapes (S, N, N) and (S, N, K).
+
+    Returns
+    -------
+    Shape (S, N, K).
+    """
+    shots, size, _ = columns.shape
+    result = np.empty(columns.shape)
+    root, scale = np.empty((size, size)), np.empty(size)
+    for s in range(shots):
+        _factor(variances[s], 0.0, root, scale)
+        _forward(root, scale, columns[s], result[s])
     return result
 
 
@@ -140,6 +154,21 @@ def whitenings(gram: Floats, least: float) -> Floats:
                     white[b, a] = rest * root[a, a] / scale[b]
                 white[a, a] = root[a, a] / scale[a]
     return result
+
+
+@part
+def _forward(root: Floats, scale: Floats, given: Floats, rows: Floats) -> None:
+    """Fill rows with what the root of a scaled matrix makes the given ones of."""
+    size, count = given.shape
+    for a in range(size):
+        for k in range(count):
+            rows[a, k] = given[a, k] / scale[a]
+        for b in range(a):
+            share = root[a, b]
+            for k in range(count):
+                rows[a, k] -= share * rows[b, k]
+        for k in range(count):
+            rows[a, k] /= root[a, a]
 
 
 @part

@@ -26,6 +26,7 @@ from analysis.model.data.tables import Data
 from analysis.model.fitting.adding import ALIAS_WITHIN
 from analysis.model.fitting.fit import Fit
 from analysis.model.fitting.normal import inverse
+from analysis.model.loops.blocks import whitened
 from analysis.model.proposals.admissible import FEWEST_SHOTS, LEAST_SIGMAS
 from analysis.model.proposals.arguments import Argument, is_column
 from analysis.model.proposals.blocks import blocks_of
@@ -170,8 +171,7 @@ def _about(launch: LaunchFit, forms: Sequence[LaunchForm]) -> Linearised:
     predicted = launch.theory.launch(launch.settings, launch.touches.ground)
     one = {form.quantity: form for form in forms}
     changes = np.stack([one[q].direction(predicted) for q in QUANTITIES if q in one], axis=-1)
-    root = np.linalg.cholesky(launch.compared.variance(launch.scatter))
-    own = np.linalg.solve(root, changes)
+    own = whitened(launch.compared.variance(launch.scatter), changes)
     residual, derivative = launch.compared.whitened(launch.scatter)
     centre, width = launch.theory.prior
     flat = derivative.reshape(-1, derivative.shape[-1])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from analysis.model.loops.blocks import information, solved, whitenings
+from analysis.model.loops.blocks import information, solved, whitened, whitenings
 
 
 def equations(shots: int, count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -30,6 +30,16 @@ def test_equations_are_solved(count: int) -> None:
     matrices, right = equations(4, count)
     found = solved(matrices, right, np.zeros(4))
     solution(matrices, right, found)
+
+
+def test_columns_are_taken_to_units_of_independent_errors() -> None:
+    variances, columns = equations(4, 3)
+    found = whitened(variances, columns)
+    expected = np.linalg.solve(np.linalg.cholesky(variances), columns)
+    np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-6)
+    squares = np.swapaxes(found, 1, 2) @ found
+    weighed = np.swapaxes(columns, 1, 2) @ np.linalg.solve(variances, columns)
+    np.testing.assert_allclose(squares, weighed, rtol=1e-6)
 
 
 def test_damping_adds_its_share_of_the_diagonal() -> None:
