@@ -14,11 +14,17 @@ from analysis.model.data.stream import CampaignData, beside
 from analysis.model.data.tables import ContactTable, Data
 from analysis.model.data.unseen import fitted_numbers
 from analysis.model.fitting.field_errors import explained_by, field_errors, with_field
-from analysis.model.fitting.gauss_newton import TO_THE_END, Purpose, descended, linearised, summed
+from analysis.model.fitting.gauss_newton import (
+    TO_THE_END,
+    WORSE,
+    Purpose,
+    descended,
+    linearised,
+    summed,
+)
 from analysis.model.fitting.normal import NormalEquations, inverse, prior_cost
 from analysis.model.fitting.own_fit import own_states
 from analysis.model.fitting.summary import FitSummary
-from analysis.model.fitting.systematics import Systematic
 from analysis.model.predict.start import first_states
 from analysis.model.predict.state import ShotStates
 from analysis.model.predict.theory import LAW, LAW_PRIOR, Theory
@@ -30,6 +36,8 @@ RARE, MOST_BY_FIELD = 0.01, 1.5
 """Chance of a chi-squared below which it is more than noise, and per degree of freedom beyond which
 it is more than a field of errors leaves."""
 FEW = 30
+ENOUGH_TO_BEGIN, MANY = 128, 512
+"""Shots from which the law is found first, of as many as it saves steps for."""
 OTHER_STARTS = (WaltonLaw(0.74, 0.08, 0.2), WaltonLaw(0.74, 0.12, 0.6), WaltonLaw(0.74, 0.05, 0.4))
 """Where so few shots are fitted from as well: one that lies between rolling and sliding can hold
 the law on its wrong side, where too few others pull."""
@@ -81,8 +89,7 @@ def fit_campaign(
         The campaign lies in a file, and the temporary folder is full.
     """
     if theory is None and start is None:
-        begun = starting_theories(len(data.shots), data.systematics)
-        return likeliest([fit_campaign(data, one) for one in begun])
+        return likeliest([fit_campaign(data, one) for one in _starting_theories(data)])
     present = Theory(START, data.systematics) if theory is None else theory
     if start is not None and _misled(data, start):
         calibrated = (replace(s, values=s.stated) for s in present.systematics)
@@ -108,6 +115,22 @@ def fit_campaign(
         converged=converged,
         scatter=start.scatter if start is not None and data.jitter_s > 0 else {},
     )
+
+
+def fit_afresh(data: CampaignData, fit: Fit) -> Fit:
+    """Fit again at a law that is known by now, each shot begun anew where that is likelier.
+
+    Parameters
+    ----------
+    fit
+        Of the same shots, their sigmas as they are in `data` or enlarged.
+    """
+    chosen, theory = data.keep(ShotStates), fit.theory
+    for part, states in parts_of(data, fit):
+        begun = own_states(part, first_states(part), theory)
+        stands, begins = (summed(part, own, theory)[1].chi2 for own in (states, begun))
+        chosen.append(states.chosen(begun, begins < stands - WORSE))
+    return fit_campaign(data, theory, replace(fit, parts=chosen))
 
 
 def beside_field(data: CampaignData, fit: Fit) -> Fit:
@@ -172,10 +195,17 @@ def _counts(data: CampaignData) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     return np.concatenate(measured), np.concatenate(own)
 
 
-def starting_theories(shots: int, systematics: tuple[Systematic, ...]) -> list[Theory]:
-    """Return where a fit of so many shots begins: the hard-sphere operator, of few at more laws."""
+def _starting_theories(data: CampaignData) -> list[Theory]:
+    """Return where a fit begins: the hard-sphere operator, and of few shots at more laws.
+
+    Of many, the law is first found from some that are spread over the campaign.
+    """
+    shots = len(data.shots)
+    if shots >= MANY:
+        some = np.arange(shots) % (shots // ENOUGH_TO_BEGIN) == 0
+        return [fit_campaign(data.of_shots(some)).theory]
     laws = (START, *OTHER_STARTS) if shots <= FEW else (START,)
-    return [Theory(law, systematics) for law in laws]
+    return [Theory(law, data.systematics) for law in laws]
 
 
 def likeliest(fits: Sequence[Fit]) -> Fit:

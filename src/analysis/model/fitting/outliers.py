@@ -16,7 +16,7 @@ from analysis.arrays import Floats
 from analysis.model.data.poses import Frame, PoseData
 from analysis.model.data.stream import CampaignData, PoseStream
 from analysis.model.data.tables import ContactTable
-from analysis.model.fitting.fit import FEW, Fit, fit_campaign, states_of_shots
+from analysis.model.fitting.fit import FEW, Fit, fit_afresh, fit_campaign, states_of_shots
 from analysis.model.fitting.summary import FitSummary
 from analysis.model.predict.linear import whitened_residual
 from analysis.model.predict.prediction import predict
@@ -28,8 +28,6 @@ FEWEST = 6
 """Of fewer shots none is bad for lying off the others: the fastest of five may be the physics."""
 ALARM_SHARE = 0.005
 """Of a campaign without bad shots this share has one called bad."""
-LITTLE_OFF = 0.5
-"""Standard errors by which two beginnings of a fit may differ and be one."""
 WILD_FRAME, WILD_AGAINST_MEDIAN, WILD_AGAINST_NEXT = 45.0, 6.0, 2.5
 """Chi-squared of a frame's 12 numbers: at least this, and against the shot's other frames."""
 PHYSICS_SHARE = 0.15
@@ -89,31 +87,14 @@ def clean(data: CampaignData, theory: Theory | None = None) -> Cleaned:
         left = replace(fit, parts=states_of_shots(rest, fit, ~bad))
         fit = fit_campaign(rest, fit.theory, left)
     names = {int(n) for n in rest.shots}
-    # Afresh, now that the law is known: near its corner a shot may have begun on the wrong side.
-    # Where nothing was taken out, the first fit is the one from its start, and near it where
-    # nothing was held down either.
-    same = rest is whole
-    fits = [first] if same else []
-    for begun in starts_afresh(fit):
-        begun_so = begun is theory or (fit is first and _begun_at(theory, begun, fit))
-        if not (same and begun_so):
-            fits.append(fit_campaign(rest, begun))
+    # Now that the law is known: near its corner a shot may have begun on the wrong side.
+    fits = [fit_afresh(rest, fit)]
+    if rest is whole:
+        fits.append(first)
+    elif len(rest.shots) <= FEW and not fit.theory.active:
+        fits.append(fit_campaign(rest))
     fit = min(fits, key=lambda one: one.chi2)
     return Cleaned(rest, fit, kept, tuple(f for f in frames if f[0] in names), far)
-
-
-def starts_afresh(fit: FitSummary) -> list[Theory | None]:
-    """Return from where to fit afresh: the law as it is, and of few shots the base model's too."""
-    few = len(fit.shot_chi2) <= FEW and not fit.theory.active
-    return [fit.theory, None] if few else [fit.theory]
-
-
-def _begun_at(theory: Theory | None, begun: Theory | None, fit: FitSummary) -> bool:
-    """Tell whether a fit from a theory has begun where one from another would."""
-    if theory is None or begun is None:
-        return begun is theory
-    off = (theory.vector - begun.vector) / np.sqrt(np.diag(fit.covariance))
-    return bool((np.abs(off) < LITTLE_OFF).all())
 
 
 def bad_shots(fit: FitSummary, gone: int = 0) -> NDArray[np.bool_]:

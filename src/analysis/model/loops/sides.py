@@ -7,6 +7,8 @@ centres (6), turns of both spheres (6).
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from analysis.arrays import Floats
@@ -18,6 +20,25 @@ POINT, TILT, MOTION, TURNS = 1, 4, 6, 18
 """Where these begin among the numbers of an outcome, and of a state."""
 AFTER, RATE, ORIENTATION, SPHERE = 6, 3, 12, 24
 """How far apart sides, start and rate, kinds and spheres stand among the 48."""
+
+
+@compiled
+def tangents(normal: Floats) -> tuple[Floats, Floats]:
+    """Return two unit vectors across each normal (S, 3) and each other, both of shape (S, 3)."""
+    first, second = np.zeros(normal.shape), np.empty(normal.shape)
+    for s in range(normal.shape[0]):
+        own, across, other = normal[s], first[s], second[s]
+        least = 0
+        for k in range(1, 3):
+            if abs(own[k]) < abs(own[least]):
+                least = k
+        i, j = (least + 1) % 3, (least + 2) % 3
+        size = math.sqrt(own[i] ** 2 + own[j] ** 2)
+        across[i], across[j] = own[j] / size, -own[i] / size
+        for k in range(3):
+            i, j = (k + 1) % 3, (k + 2) % 3
+            other[k] = own[i] * across[j] - own[j] * across[i]
+    return first, second
 
 
 @compiled

@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 from analysis.arrays import Floats
 from analysis.collision.operator import States
+from analysis.model.loops import plain
+from analysis.model.loops.sides import tangents
 from analysis.motion.rotation import rotation_matrix
 
 SIZE = 24
@@ -115,12 +117,7 @@ class ShotStates:
 
     def tangents(self) -> tuple[Floats, Floats]:
         """Return two unit vectors across each normal and each other, shape (S, 3)."""
-        rows = np.arange(len(self.normal))
-        axis = np.zeros_like(self.normal)
-        axis[rows, np.abs(self.normal).argmin(axis=1)] = 1.0
-        first = np.cross(self.normal, axis)
-        first /= np.linalg.norm(first, axis=1, keepdims=True)
-        return first, np.cross(self.normal, first)
+        return tangents(plain(self.normal))
 
     def moved(self, step: Floats) -> ShotStates:
         """Return the states a step further, shape (S, 24)."""

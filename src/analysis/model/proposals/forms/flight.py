@@ -91,13 +91,13 @@ class FlightForm:
         if self.kind == "uniform":
             return np.asarray(np.broadcast_to(values, flying.velocity.shape))
         if self.kind == "velocity":
-            speed = np.linalg.norm(flying.velocity, axis=-1, keepdims=True).clip(min=1e-6)
+            speed = _lengths(flying.velocity).clip(min=1e-6)
             size = (speed / REFERENCE_SPEED) ** self.constants[0]
             return np.asarray(-values[0] * size * flying.velocity / speed)
         if flying.partner is None:
             return np.zeros_like(flying.position)
         apart = flying.partner - flying.position
-        distance = np.linalg.norm(apart, axis=-1, keepdims=True).clip(min=0.5 * self.touching)
+        distance = _lengths(apart).clip(min=0.5 * self.touching)
         if self.kind == "central":
             size = (self.touching / distance) ** self.constants[0]
         else:
@@ -162,6 +162,11 @@ class FlightForm:
             accelerate=accelerate,
             nodes=NODES if self.kind.startswith("central") else 2,
         )
+
+
+def _lengths(vectors: Floats) -> Floats:
+    """Return lengths of vectors (..., 3), shape (..., 1)."""
+    return np.asarray(np.sqrt(np.einsum("...i,...i->...", vectors, vectors))[..., None])
 
 
 def flight_forms(touching: float, mass: float) -> list[FlightForm]:

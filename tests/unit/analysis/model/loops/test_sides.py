@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from analysis.model.fitting.fit import START
+from analysis.model.loops.sides import tangents
 from analysis.model.predict.contact import differentiated_contact
 from analysis.model.predict.sides import Flights, flights, flights_by_outcome, flights_by_state
 from analysis.model.predict.start import first_states
@@ -81,3 +82,15 @@ def test_a_later_contact_has_its_flights_a_step_earlier() -> None:
     np.testing.assert_array_equal(parts[:, :, 0, :, 0], -here.velocity)
     np.testing.assert_array_equal(parts[:, :, 1, :, 0], -here.spin)
     np.testing.assert_array_equal(parts[:, :, 0, :, 1, 0], -DATA.gravity)
+
+
+def test_tangents_lie_across_each_normal_and_each_other() -> None:
+    normal = np.random.default_rng(5).normal(size=(40, 3))
+    normal[0] = 0.0, -1.0, 0.0
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    frames = np.stack([*tangents(normal), normal], axis=1)
+    np.testing.assert_allclose(
+        frames @ np.swapaxes(frames, 1, 2), np.tile(np.eye(3), (40, 1, 1)), atol=1e-15
+    )
+    # First, second, normal turn to the left.
+    np.testing.assert_allclose(np.linalg.det(frames), 1.0, rtol=1e-14)
