@@ -184,7 +184,7 @@ def products(asked: Asked) -> list[Trial]:
             one, _ = _asked(made.data, f"{' on '.join(group)}, {off} off", seed)
             named, first = _named(one, group), one.proposals[:1]
             right = bool(first) and first[0][:2] == group
-            rows.append((made.share, right, named))
+            rows.append((made.share, right, named, made.likely))
             tried.append(one)
         own = rows[-asked.campaigns :]
         shares = [row[0] for row in own]
@@ -195,6 +195,7 @@ def products(asked: Asked) -> list[Trial]:
         print_share(
             f"d {asked.d:g} zero {off} deviations off: in the set", 0.75, [r[2] for r in own]
         )
+        print(f"    likelihood alone has it among three: {np.mean([r[3] for r in own]):.2f}")
     for low, high in pairwise(SHARES):
         own = [row for row in rows if low <= row[0] < high]
         text = f"d {asked.d:g} arguments alone do {low:g} to {high:g}"
@@ -232,19 +233,21 @@ def drawn(asked: Asked) -> list[Trial]:
 
 def exponent(asked: Asked) -> list[Trial]:
     """Hold the exponent of a central force in flight against its standard error."""
-    tried, hits = [], []
+    tried, named, hits = [], [], []
     for k in range(asked.campaigns):
         seed = asked.first_seed + 20_000 + k
         amplitude = amplitude_at("attraction-power", asked.d, seed, SHOTS)
         one, found = trial({"attraction-power": amplitude}, seed)
         tried.append(one)
         first = next((a for a in found.accepted if a.form.slot == "flight"), None)
-        if first is None or first.form.shape_name != "power":
-            hits.append(False)
+        named.append(first is not None and first.form.shape_name == "power")
+        if first is None or not named[-1]:
+            print(f"  seed {seed} d {asked.d:g}: {one.proposals or 'nothing'}", flush=True)
             continue
         value = first.freed.parameters()[f"{first.name}.p"]
         hits.append(abs(value.value - 4.0) < 2 * value.sigma)
-        print(f"  seed {seed} d {asked.d:g}: p = {value.concise()}")
+        print(f"  seed {seed} d {asked.d:g}: p = {value.concise()}", flush=True)
+    print_share(f"d {asked.d:g}: proposed as a power of the distance", 0.9, named)
     print_share(f"d {asked.d:g}: exponent of 1/d^4 within two standard errors", 0.95, hits)
     return tried
 

@@ -19,8 +19,8 @@ from analysis.model.fitting.fit import fit_campaign
 from analysis.model.proposals.arguments import known_arguments
 from analysis.model.proposals.channels import Channels, channels_of
 from analysis.model.proposals.forms.form import ContactForm
-from analysis.model.proposals.forms.shapes import LINEAR, POWER
 from benchmarks.discovery.campaigns import SILENCE, STATED, posed
+from benchmarks.proposals.likelihood import alone, found_by_likelihood
 from simulators.challenge.campaign import Noise, run_campaign
 from simulators.challenge.launch import Settings, Touch
 from simulators.challenge.nature import Nature
@@ -91,11 +91,14 @@ class Made:
     ----------
     share
         Of what the product does, done by its arguments by themselves.
+    likely
+        How often likelihood alone has it among the three likeliest.
     """
 
     data: PoseData
     pair: Pair
     share: float
+    likely: float
 
 
 def product_at(d: float, off: int, seed: int, shots: int, *, own: bool = False) -> Made:
@@ -122,13 +125,17 @@ def product_at(d: float, off: int, seed: int, shots: int, *, own: bool = False) 
 
     silent = without_contact_frames(campaign(FIRST_GUESS, SILENCE))
     fit = fit_campaign(silent)
-    share = share_alone(channels_of(silent, fit), pair, off)
-    found = float(np.sqrt(fit.chi2 * (1.0 - share if own else 1.0)))
-    return Made(campaign(FIRST_GUESS * d / found, STATED), pair, share)
+    channels = channels_of(silent, fit)
+    product = true_product(channels, pair, off)
+    share = share_alone(channels, product)
+    left = np.sqrt(1.0 - share if own else 1.0)
+    found = float(np.sqrt(fit.chi2)) * left
+    likely = found_by_likelihood(channels, product, d / left, seed)
+    return Made(campaign(FIRST_GUESS * d / found, STATED), pair, share, likely)
 
 
-def share_alone(channels: Channels, pair: Pair, off: int) -> float:
-    """Return the share of what a product does that its arguments do by themselves."""
+def true_product(channels: Channels, pair: Pair, off: int) -> ContactForm:
+    """Return what is hidden, as a form."""
     offered = known_arguments(channels.encounter, scalars=False, one_frame=True)
     known = {argument.name: argument for argument in offered}
     arguments = tuple(known[name] for name in pair.names)
@@ -138,12 +145,13 @@ def share_alone(channels: Channels, pair: Pair, off: int) -> float:
         values = np.log(values) if argument.positive else values
         zero = float(values.mean() - away * values.std())
         zeros.append(float(np.exp(zero)) if argument.positive else zero)
-    product = ContactForm(pair.slot, arguments, None, tuple(zeros), (1.0,))
-    alone = [
-        ContactForm(pair.slot, (a,), POWER if a.positive else LINEAR, (zero,), (1.0,))
-        for a, zero in zip(arguments, zeros, strict=True)
-    ]
-    matrix = channels.summed([channels.weights(form) for form in (product, *alone)]).matrix
+    return ContactForm(pair.slot, arguments, None, tuple(zeros), (1.0,))
+
+
+def share_alone(channels: Channels, product: ContactForm) -> float:
+    """Return the share of what a product does that its arguments do by themselves."""
+    forms = (product, *alone(product))
+    matrix = channels.summed([channels.weights(form) for form in forms]).matrix
     across = matrix[0, 1:]
     return float(across @ np.linalg.solve(matrix[1:, 1:], across) / matrix[0, 0])
 
