@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from analysis.photometric.method import teach
+from analysis.photometric.teaching import teach
 from analysis.setup import CameraSetup, Setup, SphereSetup
 from benchmarks.imaging.goals import Sheet
 from simulators.world import Launch, WorldDescription, render_shot

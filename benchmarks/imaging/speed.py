@@ -16,7 +16,8 @@ from analysis.campaign import read_campaign
 from analysis.imaging.edge.frame import EdgeSettings
 from analysis.imaging.files.stack import read_stack
 from analysis.photometric.follow.film import fit_film
-from analysis.photometric.method import compiles_first, followed_film, teach
+from analysis.photometric.method import compiles_first, followed_film
+from analysis.photometric.teaching import teach
 from analysis.shot import AnalysisOptions, Method, analyse_shot
 from analysis.tracking import track_spheres
 from benchmarks.imaging.goals import Sheet

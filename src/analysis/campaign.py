@@ -278,7 +278,7 @@ def training_jobs(jobs: Sequence[ShotJob]) -> dict[Setup, list[ShotJob]]:
 def _known(jobs: Sequence[ShotJob]) -> dict[Setup, Appearance | None]:
     """Return the sphere appearance learned from the first shots of each set-up, exposure aside."""
     # Loading compiled functions is slow; the thesis method needs none of these.
-    from analysis.photometric.method import teach  # noqa: PLC0415
+    from analysis.photometric.teaching import teach  # noqa: PLC0415
 
     known: dict[Setup, Appearance | None] = {}
     for setup, own in training_jobs(jobs).items():

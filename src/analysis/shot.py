@@ -28,6 +28,11 @@ if TYPE_CHECKING:
 
 ASTRAY = "it contradicts those of the other frames on its side of the contact"
 
+FALSE_SPINS = (
+    "their change at the contact contradicts the impulse that velocities show, so that the few "
+    "markers that are known of it are seen in a wrong turn; more training shots, or markers, help"
+)
+
 
 def measuring_notes(tracking: Tracking, setup: Setup, sides: TwoSides) -> tuple[str, ...]:
     """Return a sentence on each frame, outline, orientation or spin that did not count."""
@@ -50,7 +55,9 @@ def measuring_notes(tracking: Tracking, setup: Setup, sides: TwoSides) -> tuple[
     for name, orientations in zip("ab", tracking.orientations, strict=True):
         for k, reason in sorted(orientations.left_out.items()):
             notes.append(f"frame {k} has no orientation of sphere {name}: {reason}")
-    if sides.impact.v_s is None:
+    if sides.false_spins is not None:
+        notes.append(f"no spins of sphere {sides.false_spins}: {FALSE_SPINS}")
+    elif sides.impact.v_s is None:
         notes.append("no surface velocities: too few orientations tell the spins")
     return tuple(notes)
 

@@ -34,6 +34,9 @@ class ShotPoses:
         Body to rig axes, shape (F, 2, 3, 3).
     rotation_sigma
         Standard error about each axis, rad, shape (F, 2). Infinite: not measured.
+    turn_shape
+        Covariance of small turns in rig axes over the square of that error, of trace 3, shape
+        (F, 2, 3, 3): markers near the middle of a view tell a turn about its axis of sight less.
     """
 
     frames: Frames
@@ -42,6 +45,7 @@ class ShotPoses:
     position_sigma: Floats
     rotation: Floats
     rotation_sigma: Floats
+    turn_shape: Floats
 
     @classmethod
     def of_tracks(
@@ -55,6 +59,7 @@ class ShotPoses:
         shape = (len(frames), 2)
         position, position_sigma = np.zeros((*shape, 3)), np.full((*shape, 3), np.inf)
         rotation, rotation_sigma = np.tile(np.eye(3), (*shape, 1, 1)), np.full(shape, np.inf)
+        turn_shape = rotation.copy()
         for i, (placed, turned) in enumerate(zip(centres, orientations, strict=True)):
             rows = np.searchsorted(frames, placed.frames)
             position[rows, i] = np.nan_to_num(placed.position)
@@ -62,8 +67,11 @@ class ShotPoses:
             shown = np.isin(turned.frames, placed.frames)
             rows = np.searchsorted(frames, turned.frames[shown])
             rotation[rows, i] = turned.rotation[shown]
-            rotation_sigma[rows, i] = isotropic(turned.covariance[shown])
-        return cls(frames, times_s[frames], position, position_sigma, rotation, rotation_sigma)
+            own = turned.covariance[shown]
+            rotation_sigma[rows, i] = isotropic(own)
+            turn_shape[rows, i] = shape_of(own)
+        times_s = times_s[frames]
+        return cls(frames, times_s, position, position_sigma, rotation, rotation_sigma, turn_shape)
 
     @property
     def turned(self) -> NDArray[np.bool_]:
@@ -105,3 +113,9 @@ class ShotPoses:
 def isotropic(covariance: Floats) -> Floats:
     """Return the standard error about each axis, rad, of covariances (n, 3, 3), shape (n,)."""
     return np.asarray(np.sqrt(np.trace(covariance, axis1=1, axis2=2) / 3))
+
+
+def shape_of(covariance: Floats) -> Floats:
+    """Return covariances (..., 3, 3) over their mean variance, as `ShotPoses.turn_shape`."""
+    mean = np.trace(covariance, axis1=-2, axis2=-1) / 3
+    return np.asarray(covariance / mean[..., None, None])

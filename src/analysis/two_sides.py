@@ -6,7 +6,8 @@ results (docs/decisions/0021). The scale and the outlines stay as they were cali
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -21,6 +22,7 @@ from analysis.collision.coefficients import (
     measure_impact,
 )
 from analysis.collision.contact_frames import inside_contact
+from analysis.collision.spin_balance import contradicted
 from analysis.errors import ShotRefusedError
 from analysis.motion.cutting import cut_tears
 from analysis.motion.drift import Drift, correlation_time
@@ -63,6 +65,8 @@ class TwoSides:
         Sphere, a or b, and number of frames that lie off its free flight.
     astray
         Sphere and number of frames whose orientations contradict the others of their side.
+    false_spins
+        Sphere whose spins the impulse contradicts; they are not measured.
     flight_chi2
         Chi-squared per degree of freedom of positions, of both spheres before and after contact,
         shape (4,); not a number without freedom.
@@ -76,6 +80,7 @@ class TwoSides:
     between: tuple[int, ...]
     wild: tuple[tuple[str, int], ...]
     astray: tuple[tuple[str, int], ...]
+    false_spins: str | None
     flight_chi2: Floats
     spin_chi2: Floats
 
@@ -133,18 +138,12 @@ def measure_two_sides(
     for i, motion in enumerate(motions):
         for side, path in zip(sides, (motion.before, motion.after), strict=True):
             check_free_flight(left, side, i, path, most_chi2)
-    try:
-        impact = measure_impact(
-            *(motions[0], motions[1], scene.radii),
-            scale_sigma=scene.slow.scale,
-            offset_sigma=float(np.sqrt(2.0)) * scene.slow.common_m,
-            held_sigma=float(np.sqrt(2.0)) * scene.slow.position_m,
-            turn_sigma=scene.slow.common_rad,
-            # A camera without a mirror leaves Z at zero in every frame.
-            without_depth=None if left.position[left.placed][:, 2].any() else scene.bodies,
-        )
-    except NoTouchError as miss:
-        raise never_meet(miss, scene.radii) from miss
+    depth_seen = bool(left.position[left.placed][:, 2].any())
+    impact = _impact(motions, scene, depth_seen=depth_seen)
+    false = contradicted(impact, scene.bodies, depth_seen=depth_seen)
+    if false is not None:
+        motions = _without_spins(motions, false)
+        impact = _impact(motions, scene, depth_seen=depth_seen)
     check_possible(impact)
     return TwoSides(
         impact=impact,
@@ -153,6 +152,7 @@ def measure_two_sides(
         between=tuple(map(int, between)),
         wild=_named(poses, wild),
         astray=_named(poses, astray),
+        false_spins=None if false is None else "ab"[false],
         flight_chi2=np.array([p.chi2_per_dof for m in motions for p in (m.before, m.after)]),
         spin_chi2=np.array(
             [
@@ -161,6 +161,35 @@ def measure_two_sides(
                 for s in (m.spin_before, m.spin_after)
             ]
         ),
+    )
+
+
+def _impact(motions: Sequence[Motion], scene: Scene, *, depth_seen: bool) -> Impact:
+    """Combine the motions of both spheres.
+
+    Raises
+    ------
+    ShotRefusedError
+        Their paths do not meet.
+    """
+    try:
+        return measure_impact(
+            *(motions[0], motions[1], scene.radii),
+            scale_sigma=scene.slow.scale,
+            offset_sigma=float(np.sqrt(2.0)) * scene.slow.common_m,
+            held_sigma=float(np.sqrt(2.0)) * scene.slow.position_m,
+            turn_sigma=scene.slow.common_rad,
+            # A camera without a mirror leaves Z at zero in every frame.
+            without_depth=None if depth_seen else scene.bodies,
+        )
+    except NoTouchError as miss:
+        raise never_meet(miss, scene.radii) from miss
+
+
+def _without_spins(motions: Sequence[Motion], sphere: int) -> tuple[Motion, ...]:
+    return tuple(
+        replace(motion, spin_before=None, spin_after=None) if i == sphere else motion
+        for i, motion in enumerate(motions)
     )
 
 
@@ -344,5 +373,5 @@ def _placed(poses: ShotPoses, side: Side, sphere: int) -> tuple[Floats, Floats, 
 def _turning(poses: ShotPoses, side: Side, sphere: int) -> tuple[Floats, Floats, Floats]:
     """Return times, orientations and their covariances of the frames of a side that have them."""
     rows = side.rows[poses.turned[side.rows, sphere]]
-    spread = poses.rotation_sigma[rows, sphere, None, None] ** 2 * np.eye(3)
+    spread = poses.rotation_sigma[rows, sphere, None, None] ** 2 * poses.turn_shape[rows, sphere]
     return poses.times_s[rows], poses.rotation[rows, sphere], spread

@@ -19,9 +19,10 @@ from analysis.imaging.stated_view import stated_view
 from analysis.motion.poses import Centres
 from analysis.motion.split import split_at_contact
 from analysis.photometric.learn.appearance import Appearance
-from analysis.photometric.method import Taught, followed_film, teach
+from analysis.photometric.method import followed_film
 from analysis.photometric.render.sight import Equations
 from analysis.photometric.result import tracking_of
+from analysis.photometric.teaching import Taught, teach
 from analysis.setup import Setup, without_exposure
 from analysis.shot import check_frames
 

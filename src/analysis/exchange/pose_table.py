@@ -10,6 +10,9 @@ from dataclasses import dataclass, replace
 from itertools import chain, groupby
 from pathlib import Path
 
+import numpy as np
+
+from analysis.arrays import Floats
 from analysis.exchange.numbers_seen import NumbersSeen
 from analysis.exchange.rows import TableRow, WriteShot, each_row, read_rows, table_writer
 from analysis.motion.rotation import quaternion
@@ -24,10 +27,19 @@ POSES = [
 ]
 POSES_SLOW = ["slow_position_m", "slow_rotation_rad"]
 """May stand in poses.csv: slow errors of a shot, in each of its rows, where they are its own."""
+POSES_TURN = [f"cov_rot_{axes}_rad2" for axes in ("xx", "yy", "zz", "xy", "xz", "yz")]
+"""May stand in poses.csv: covariance of a small turn about X, Y and Z, where one axis is less well
+known; `sigma_rot_rad` is the root of its mean on the diagonal."""
+_FURTHER = [*POSES_SLOW, *POSES_TURN]
 _POSITION = ("x_m", "y_m", "z_m")
 _POSITION_SIGMA = ("sigma_x_m", "sigma_y_m", "sigma_z_m")
 _QUATERNION = ("qw", "qx", "qy", "qz")
 _UNIT_TOLERANCE = 1e-3
+_SIZE_TOLERANCE = 0.01
+"""Of a covariance's size against the standard error that stands beside it."""
+
+
+TurnCovariance = tuple[float, float, float, float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +60,9 @@ class PoseRow:
     slow
         Size of what the frames of this flight share, of a coordinate in m and about each axis in
         rad; None: as campaign.toml states it.
+    turn_covariance
+        xx, yy, zz, xy, xz and yz of a small turn in rig axes, rad^2, its mean variance the square
+        of `rotation_sigma`; None: the same about each axis.
     """
 
     frame: int
@@ -57,6 +72,7 @@ class PoseRow:
     quaternion: tuple[float, float, float, float] | None
     rotation_sigma: float
     slow: tuple[float, float] | None = None
+    turn_covariance: TurnCovariance | None = None
 
 
 Spheres = dict[str, list[PoseRow]]
@@ -79,10 +95,11 @@ def read_poses(path: Path) -> dict[int, Spheres]:
     ------
     InputError
         Absent, a column missing or unknown, a field that is no number, a sigma that is
-        negative, a quaternion that is not of length 1, a frame that stands twice; with the line.
+        negative, a quaternion that is not of length 1, a covariance that is none or contradicts
+        its sigma, a frame that stands twice; with the line.
     """
     rows: dict[int, list[TableRow]] = defaultdict(list)
-    for row in read_rows(path, POSES, POSES_SLOW):
+    for row in read_rows(path, POSES, _FURTHER):
         rows[row.whole("shot")].append(row)
     return {shot: _spheres(own) for shot, own in sorted(rows.items())}
 
@@ -96,7 +113,7 @@ def each_shot(path: Path) -> Iterator[tuple[int, Spheres]]:
         As `read_poses`, and where the rows of a shot do not follow each other.
     """
     seen = NumbersSeen()
-    for shot, own in groupby(each_row(path, POSES, POSES_SLOW), lambda row: row.whole("shot")):
+    for shot, own in groupby(each_row(path, POSES, _FURTHER), lambda row: row.whole("shot")):
         rows = list(own)
         if not seen.add(shot):
             raise rows[0].fault(
@@ -141,7 +158,36 @@ def _pose(row: TableRow) -> PoseRow:
     slow = None if place_slow is None or turn_slow is None else (place_slow, turn_slow)
     if slow is not None and min(slow) < 0:
         raise row.fault(f"{' and '.join(POSES_SLOW)}: {slow} are sizes, and not negative")
-    return PoseRow(row.whole("frame"), time, (x, y, z), (u, v, w), quaternion, turn_sigma, slow)
+    spread = None if quaternion is None else _turn_covariance(row, turn_sigma)
+    return PoseRow(
+        row.whole("frame"), time, (x, y, z), (u, v, w), quaternion, turn_sigma, slow, spread
+    )
+
+
+def turn_matrix(spread: TurnCovariance) -> Floats:
+    """Return the covariance of a small turn, rad^2, shape (3, 3)."""
+    xx, yy, zz, xy, xz, yz = spread
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def _turn_covariance(row: TableRow, sigma: float) -> TurnCovariance | None:
+    given = [row.number(name) for name in POSES_TURN]
+    xx, yy, zz, xy, xz, yz = given
+    if xx is None or yy is None or zz is None or xy is None or xz is None or yz is None:
+        if any(each is not None for each in given):
+            raise row.fault(f"{','.join(POSES_TURN)}: all of them, or none")
+        return None
+    spread = xx, yy, zz, xy, xz, yz
+    least = float(np.linalg.eigvalsh(turn_matrix(spread))[0])
+    if not least > 0.0:
+        raise row.fault(f"cov_rot: no covariance, its least variance is {least:.3g} rad^2")
+    size = math.sqrt((xx + yy + zz) / 3)
+    if not abs(size - sigma) <= _SIZE_TOLERANCE * size:
+        raise row.fault(
+            f"sigma_rot_rad is {sigma:.4g}, and {size:.4g} by the covariance of the turn; it is "
+            "the root of the mean of cov_rot_xx, yy and zz"
+        )
+    return spread
 
 
 def _orientation(row: TableRow) -> tuple[tuple[float, float, float, float] | None, float]:
@@ -161,9 +207,9 @@ def pose_writer(path: Path) -> Iterator[WriteShot]:
 
     What was not measured stays empty.
     """
-    with table_writer(path, [*POSES, *POSES_SLOW]) as table:
+    with table_writer(path, [*POSES, *_FURTHER]) as table:
         yield lambda number, shot: table.writerows(
-            _rows(number, measured_poses(shot), with_slow=True)
+            _rows(number, measured_poses(shot), with_slow=True, with_turn=True)
         )
 
 
@@ -183,15 +229,23 @@ def measured_poses(shot: MeasuredShot) -> dict[str, list[PoseRow]]:
         for k, place, sigma in zip(centres.frames, centres.position, centres.sigma, strict=True):
             if int(k) in shot.between:
                 continue
-            at, spread = None, math.inf
+            at, spread, turn = None, math.inf, None
             if (i := where.get(int(k))) is not None:
                 w, x, y, z = map(float, quaternion(turned.rotation[i]))
                 at, spread = (w, x, y, z), float(spreads[i])
+                turn = _six(turned.covariance[i])
             px, py, pz = map(float, place)
             sx, sy, sz = map(float, sigma)
-            row = PoseRow(int(k), float(times[k]), (px, py, pz), (sx, sy, sz), at, spread, slow)
-            spheres[name].append(row)
+            place_and_error = (px, py, pz), (sx, sy, sz)
+            spheres[name].append(
+                PoseRow(int(k), float(times[k]), *place_and_error, at, spread, slow, turn)
+            )
     return spheres
+
+
+def _six(covariance: Floats) -> TurnCovariance:
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = covariance.tolist()
+    return xx, yy, zz, xy, xz, yz
 
 
 def write_pose_rows(
@@ -206,18 +260,27 @@ def write_pose_rows(
     with_slow = first is not None and any(
         row.slow is not None for rows in first[1].values() for row in rows
     )
-    with table_writer(path, [*POSES, *POSES_SLOW] if with_slow else POSES) as table:
+    with_turn = first is not None and any(
+        row.turn_covariance is not None for rows in first[1].values() for row in rows
+    )
+    further = [*(POSES_SLOW if with_slow else ()), *(POSES_TURN if with_turn else ())]
+    with table_writer(path, [*POSES, *further]) as table:
         for number, spheres in chain([] if first is None else [first], ordered):
-            table.writerows(_rows(number, spheres, with_slow=with_slow))
+            table.writerows(_rows(number, spheres, with_slow=with_slow, with_turn=with_turn))
 
 
 def _rows(
-    number: int, spheres: Mapping[str, Sequence[PoseRow]], *, with_slow: bool
+    number: int, spheres: Mapping[str, Sequence[PoseRow]], *, with_slow: bool, with_turn: bool
 ) -> Iterator[list[object]]:
     for sphere, rows in spheres.items():
         for row in rows:
             slow: tuple[object, ...] = row.slow or ("", "")
-            yield [*_fields(number, sphere, row), *(slow if with_slow else ())]
+            turn: tuple[object, ...] = row.turn_covariance or ("",) * len(POSES_TURN)
+            yield [
+                *_fields(number, sphere, row),
+                *(slow if with_slow else ()),
+                *(turn if with_turn else ()),
+            ]
 
 
 def _fields(number: int, sphere: str, row: PoseRow) -> Iterator[object]:

@@ -11,7 +11,6 @@ from analysis.arrays import Floats, Grey
 from analysis.compiled import kept_on_disk
 from analysis.errors import ShotRefusedError
 from analysis.imaging.edge.frame import noise_sd
-from analysis.imaging.stated_view import stated_view
 from analysis.photometric.follow.confirmation import shown_shares
 from analysis.photometric.follow.dead_lines import filled
 from analysis.photometric.follow.film import (
@@ -25,7 +24,7 @@ from analysis.photometric.follow.first_tracking import first_tracking
 from analysis.photometric.follow.following import Follower
 from analysis.photometric.follow.start import LEAST_DARKNESS, first_film
 from analysis.photometric.learn.appearance import Appearance
-from analysis.photometric.learn.learning import extended, learn, learn_together, without_false
+from analysis.photometric.learn.learning import extended, learn, learn_together
 from analysis.photometric.render.background import first_background
 from analysis.photometric.render.pose import fit_frames
 from analysis.photometric.result import tracking_of
@@ -43,61 +42,10 @@ STANDARD_GRAVITY = 9.80665
 NOISE_FRAMES = 3
 """Of the first guess of the noise."""
 
-Taught = tuple[Grey, Floats, Setup]
-"""Grey levels (frames, rows, columns) and times, s (frames,), of one shot, and its set-up."""
-
 
 def compiles_first() -> bool:
     """Whether the next shot waits more than a minute for its functions to be compiled."""
     return not kept_on_disk(fit_frames)
-
-
-def teach(shots: Sequence[Taught]) -> Appearance | None:
-    """Learn how a pair looks from the first shots of a campaign, together.
-
-    Parameters
-    ----------
-    shots
-        With set-ups that differ by their exposures alone.
-
-    Returns
-    -------
-    None where no shot can be learned from; measuring each shot then gives its reason.
-    """
-    known: Appearance | None = None
-    films: list[Film] = []
-    for whole, times_s, whole_setup in shots:
-        frames, setup = stated_view(whole, whole_setup)
-        try:
-            if known is None:
-                film, known = learned_film(frames, times_s, setup)
-                if len(shots) > 1:
-                    known = without_false([film], known, unseen=False)
-            else:
-                film = followed_film(frames, times_s, known, *_circumstances(setup))
-        except ShotRefusedError:
-            continue
-        films.append(film)
-    if known is not None and len(films) > 1:
-        hold = shots[0][2].camera.scale_px_per_m is not None
-        known = learn_together(films, known, hold_scale=hold)
-        known = _sharper(films, known, hold_scale=hold)
-    if known is not None:
-        for film in films:
-            settle_film(film, known, LAST_LIMIT)
-            drop_misfits(film, known, LAST_LIMIT)
-        known = sized(films, known)
-    return known
-
-
-def _sharper(films: Sequence[Film], known: Appearance, *, hold_scale: bool) -> Appearance:
-    """Learn again with the known smear: the first appearance predicts the change by the smear."""
-    for _ in range(SMEARED_ROUNDS if any(film.motion.any() for film in films) else 0):
-        for film in films:
-            settle_film(film, known, LAST_LIMIT)
-            settle_without_shadows(film, known, LAST_LIMIT)
-        known = learn_together(films, known, hold_scale=hold_scale)
-    return known
 
 
 def noise_of(frames: Grey) -> float:
@@ -121,11 +69,21 @@ def learned_film(frames: Grey, times_s: Floats, setup: Setup) -> tuple[Film, App
     film.set_motion(known, times_s, setup.camera.exposure_s)
     if film.motion.any():
         known = known.sharpened(round_smear(film, known))
-        known = _sharper([film], known, hold_scale=hold)
+        known = sharper([film], known, hold_scale=hold)
     refuse_faint(known)
     settle_film(film, known, LAST_LIMIT)
     _finish(film, known)
     return film, known
+
+
+def sharper(films: Sequence[Film], known: Appearance, *, hold_scale: bool) -> Appearance:
+    """Learn again with the known smear: the first appearance predicts the change by the smear."""
+    for _ in range(SMEARED_ROUNDS if any(film.motion.any() for film in films) else 0):
+        for film in films:
+            settle_film(film, known, LAST_LIMIT)
+            settle_without_shadows(film, known, LAST_LIMIT)
+        known = learn_together(films, known, hold_scale=hold_scale)
+    return known
 
 
 def refuse_faint(known: Appearance) -> None:
@@ -178,7 +136,8 @@ def followed_film(
     return film
 
 
-def _circumstances(setup: Setup) -> tuple[float | None, float]:
+def circumstances(setup: Setup) -> tuple[float | None, float]:
+    """Return the exposure, s, None where it is not stated, and gravity along +X, m/s^2."""
     return setup.camera.exposure_s, setup.environment.gravity_m_per_s2
 
 
@@ -259,7 +218,7 @@ def measure_poses(
     if known is not None:
         # Other spheres, or another place of the camera: the shot is learned by itself.
         try:
-            film = followed_film(frames, times_s, known, *_circumstances(setup))
+            film = followed_film(frames, times_s, known, *circumstances(setup))
         except ShotRefusedError as refusal:
             unlike = refusal.reason
     if film is None or known is None:

@@ -88,6 +88,7 @@ def _each(data: PoseData) -> Iterator[ShotPoses]:
             position_sigma=data.position_sigma[row, shown],
             rotation=data.rotation[row, shown],
             rotation_sigma=data.rotation_sigma[row, shown],
+            turn_shape=data.turns[row, shown],
         )
 
 

@@ -28,6 +28,8 @@ class Pose:
         Scalar first, body to rig axes.
     sigma_rot_rad
         About each axis.
+    cov_rot_rad2
+        xx, yy, zz, xy, xz and yz of a small turn in rig axes; None: the same about each axis.
     """
 
     sphere: Literal["a", "b"]
@@ -37,6 +39,7 @@ class Pose:
     sigma_m: tuple[NotNegative | None, NotNegative | None, NotNegative | None]
     quaternion: tuple[float, float, float, float] | None
     sigma_rot_rad: NotNegative | None
+    cov_rot_rad2: tuple[float, float, float, float, float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True, config=STRICT)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from typing import Any
+from typing import Any, Literal
 
 from analysis.document import shot_document
 from analysis.exchange.pose_table import PoseRow, measured_poses
@@ -42,9 +42,9 @@ def _pose(sphere: str, row: PoseRow) -> Pose:
     u, v, w = map(_sigma, row.position_sigma)
     turned = row.quaternion
     error = None if turned is None else _sigma(row.rotation_sigma)
-    return Pose(
-        "b" if sphere == "b" else "a", row.frame, row.t_s, (x, y, z), (u, v, w), turned, error
-    )
+    name: Literal["a", "b"] = "b" if sphere == "b" else "a"
+    place = (x, y, z), (u, v, w)
+    return Pose(name, row.frame, row.t_s, *place, turned, error, row.turn_covariance)
 
 
 def poses_of(
@@ -63,9 +63,8 @@ def poses_of(
         x, y, z = (math.nan if v is None else v for v in pose.position_m)
         u, v, w = map(_stated, pose.sigma_m)
         turn_error = _stated(pose.sigma_rot_rad)
-        spheres[pose.sphere].append(
-            PoseRow(pose.frame, pose.t_s, (x, y, z), (u, v, w), pose.quaternion, turn_error, own)
-        )
+        turn = pose.quaternion, turn_error, own, pose.cov_rot_rad2
+        spheres[pose.sphere].append(PoseRow(pose.frame, pose.t_s, (x, y, z), (u, v, w), *turn))
     return spheres
 
 

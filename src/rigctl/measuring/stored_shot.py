@@ -132,7 +132,7 @@ class CampaignLearning:
     def _together(self, teachers: Sequence[str]) -> Appearance | None:
         """Return the appearance learned from shots together; None where learning fails."""
         # Loading compiled functions is slow.
-        from analysis.photometric.method import teach  # noqa: PLC0415
+        from analysis.photometric.teaching import teach  # noqa: PLC0415
 
         shots = []
         for name in teachers:

@@ -98,7 +98,7 @@ def analysed(
 
 def taught(folders: Sequence[Path]) -> Appearance | None:
     """Return what shots teach of their spheres; those that cannot do not."""
-    from analysis.photometric.method import teach  # noqa: PLC0415
+    from analysis.photometric.teaching import teach  # noqa: PLC0415
     from rigctl.measuring.stored_shot import read_stored_shot  # noqa: PLC0415
 
     keep_memory()

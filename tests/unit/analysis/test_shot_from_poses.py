@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from analysis.exchange.contact_table import CONTACT_SIGMAS, contact_row, read_co
 from analysis.exchange.folder import folder_writer
 from analysis.model.data.gather import gather
 from analysis.model.data.poses import PoseData
+from analysis.motion.rotation import rotation_matrix
 from analysis.results.from_poses import pose_impacts
 from analysis.scene import Scene
 from analysis.shot import MeasuredShot, analyse_shot
@@ -81,6 +83,7 @@ def test_without_orientations_restitution_is_as_it_was(measured: MeasuredShot) -
     blind = ShotPoses(
         *(poses.frames, poses.times_s, poses.position, poses.position_sigma, poses.rotation),
         np.full_like(poses.rotation_sigma, np.inf),
+        poses.turn_shape,
     )
     found = measure_two_sides(blind, Scene.of(SETUP, measured.slow)).impact
     assert (found.v_s, found.v_s_after, found.beta) == (None, None, None)
@@ -88,10 +91,41 @@ def test_without_orientations_restitution_is_as_it_was(measured: MeasuredShot) -
     assert np.isnan(found.before.spin_a).all()
 
 
+def test_a_spin_is_as_unsure_as_the_axis_that_few_markers_leave_open(
+    measured: MeasuredShot,
+) -> None:
+    """The same turns with the error about Y ten times the others, of the same mean square."""
+    poses, scene = poses_of(measured), Scene.of(SETUP, measured.slow)
+    weak = np.diag([1.0, 100.0, 1.0]) * 3.0 / 102.0
+    round_, long_ = (
+        measure_two_sides(
+            replace(poses, turn_shape=np.broadcast_to(shape, poses.turn_shape.shape)), scene
+        ).impact.state_sigma[:, 2:]
+        for shape in (np.eye(3), weak)
+    )
+    assert (long_[..., 1] > 3.0 * round_[..., 1]).all()
+    assert (long_[..., [0, 2]] < 1.5 * round_[..., [0, 2]]).all()
+
+
+def test_spins_that_the_impulse_contradicts_are_not_measured(measured: MeasuredShot) -> None:
+    """Sphere b is seen to turn by 100 rad/s more after the contact, as smoothly as it does."""
+    poses, scene = poses_of(measured), Scene.of(SETUP, measured.slow)
+    since = poses.times_s - measured.impact.contact_time.value
+    turned = poses.rotation.copy()
+    more = rotation_matrix(np.outer(np.maximum(since, 0.0), [0.0, 60.0, -80.0]))
+    turned[:, 1] = more @ turned[:, 1]
+    found = measure_two_sides(replace(poses, rotation=turned), scene)
+    assert found.false_spins == "b"
+    assert (found.impact.v_s, found.impact.v_s_after) == (None, None)
+    assert abs(found.impact.e.value - measured.impact.e.value) < 0.1 * measured.impact.e.sigma
+    assert measure_two_sides(poses, scene).false_spins is None
+
+
 def test_no_poses_at_all_are_refused_in_words() -> None:
     none = np.empty((0, 2, 3))
+    turns = np.empty((0, 2, 3, 3))
     empty = ShotPoses(
-        np.empty(0, np.intp), np.empty(0), none, none, np.empty((0, 2, 3, 3)), np.empty((0, 2))
+        *(np.empty(0, np.intp), np.empty(0), none, none), turns, np.empty((0, 2)), turns
     )
     scene = Scene.of(SETUP, SETUP.measurement)
     with pytest.raises(ShotRefusedError, match="no frame shows both spheres"):

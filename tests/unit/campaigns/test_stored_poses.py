@@ -27,6 +27,7 @@ def rows(draw: st.DrawFn) -> PoseRow:
         position_sigma=(u, v, w),
         quaternion=(math.cos(angle), 0.0, math.sin(angle), 0.0) if turned else None,
         rotation_sigma=draw(sigma) if turned else math.inf,
+        turn_covariance=(1e-6, 2e-6, 3e-5, 0.0, 1e-7, draw(sigma)) if turned else None,
     )
 
 
@@ -48,5 +49,6 @@ def test_what_was_not_measured_is_null() -> None:
             "sigma_m": [1e-5, None, 2e-5],
             "quaternion": None,
             "sigma_rot_rad": None,
+            "cov_rot_rad2": None,
         }
     ]

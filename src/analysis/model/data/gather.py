@@ -17,7 +17,13 @@ from analysis.errors import InputError
 from analysis.exchange.contact_table import read_contacts
 from analysis.exchange.description import read_description
 from analysis.exchange.impact_table import read_impacts
-from analysis.exchange.pose_table import PoseRow, measured_poses, own_slow_errors, read_poses
+from analysis.exchange.pose_table import (
+    PoseRow,
+    measured_poses,
+    own_slow_errors,
+    read_poses,
+    turn_matrix,
+)
 from analysis.exchange.shot_list import ShotRow, read_shot_list
 from analysis.exchange.tabulated import Tabulated
 from analysis.model.data.bounces import BOUNCES_A_SHOT, by_bounce
@@ -33,6 +39,7 @@ from analysis.model.predict.start import LEAST_FOR_A_LINE, LEAST_FRAMES
 from analysis.scene import bodies_of
 from analysis.setup import Setup, SlowErrors
 from analysis.shot import AnalysisOptions, MeasuredShot
+from analysis.shot_poses import shape_of
 from analysis.slow_errors import typical
 
 POSES, CONTACTS, IMPACTS = "poses.csv", "contacts.csv", "impacts.csv"
@@ -195,6 +202,7 @@ def stated_poses(shots: Shots, columns: ShotColumns, setup: Setup, plate: Plate)
     position, position_sigma = np.zeros((*shape, 2, 3)), np.full((*shape, 2, 3), np.inf)
     quaternions, turn_sigma = np.zeros((*shape, 2, 4)), np.full((*shape, 2), np.inf)
     quaternions[..., 0] = 1.0
+    turn_shape = None
     for s, number in enumerate(numbers):
         place = {frame: k for k, frame in enumerate(frames[number])}
         for i, name in enumerate("ab"):
@@ -206,6 +214,10 @@ def stated_poses(shots: Shots, columns: ShotColumns, setup: Setup, plate: Plate)
                 if row.quaternion is not None:
                     quaternions[s, k, i] = row.quaternion
                     turn_sigma[s, k, i] = row.rotation_sigma
+                if row.turn_covariance is not None:
+                    if turn_shape is None:
+                        turn_shape = np.tile(np.eye(3), (*shape, 2, 1, 1))
+                    turn_shape[s, k, i] = shape_of(turn_matrix(row.turn_covariance))
         times[s, len(place) :] = times[s, len(place) - 1] if place else 0.0
     return PoseData(
         shots=np.array(numbers, dtype=np.intp),
@@ -214,6 +226,7 @@ def stated_poses(shots: Shots, columns: ShotColumns, setup: Setup, plate: Plate)
         position_sigma=position_sigma,
         rotation=_matrices(quaternions),
         rotation_sigma=turn_sigma,
+        turn_shape=turn_shape,
         slow=setup.measurement,
         own_slow={number: own_slow_errors(shots[number], setup.measurement) for number in numbers},
         bodies=bodies_of(setup),

@@ -97,6 +97,9 @@ class PoseData:
         Relative standard error of all lengths together, the diameters included, where it is stated.
     plate
         How the plate lies, where b is one.
+    turn_shape
+        As in `ShotPoses`, shape (S, F, 2, 3, 3), by which impacts are measured; a model's residuals
+        are scored by `rotation_sigma` alone. None: the same about each axis.
     """
 
     shots: NDArray[np.intp]
@@ -122,6 +125,7 @@ class PoseData:
     drag_sigma: float = DRAG_SIGMA
     length_sigma: float = 0.0
     plate: Plate = LEVEL
+    turn_shape: Floats | None = None
 
     def without(self, frames: NDArray[np.bool_]) -> PoseData:
         """Return the data with some frames taken out, mask of shape (S, F)."""
@@ -145,9 +149,13 @@ class PoseData:
 
     def of_shots(self, chosen: NDArray[np.bool_]) -> PoseData:
         """Return the data of some shots, mask of shape (S,)."""
+        return self._chosen(chosen)
+
+    def _chosen(self, chosen: NDArray[np.bool_] | slice) -> PoseData:
         parts = {name: getattr(self, name)[chosen] for name in ARRAYS}
         covariates = {name: values[chosen] for name, values in self.covariates.items()}
-        return replace(self, **parts, covariates=covariates)
+        shape = None if self.turn_shape is None else self.turn_shape[chosen]
+        return replace(self, **parts, covariates=covariates, turn_shape=shape)
 
     def held_down(self, weight: Floats) -> PoseData:
         """Return the data with the sigmas of each shot divided by a weight, shape (S,)."""
@@ -159,6 +167,13 @@ class PoseData:
     def with_noise(self, position: float, rotation: float) -> PoseData:
         """Return the data with sigmas of positions and of orientations multiplied."""
         return self.with_sigmas(position * self.position_sigma, rotation * self.rotation_sigma)
+
+    @property
+    def turns(self) -> Floats:
+        """`turn_shape`, where none is stated as well, shape (S, F, 2, 3, 3)."""
+        if self.turn_shape is None:
+            return np.broadcast_to(np.eye(3), self.rotation.shape)
+        return self.turn_shape
 
     def parts(self) -> Iterator[PoseData]:
         """Yield the data so many shots at a time."""
@@ -192,9 +207,7 @@ class PoseData:
 
     def part(self, some: slice) -> PoseData:
         """Return the data of successive shots, without copying."""
-        parts = {name: getattr(self, name)[some] for name in ARRAYS}
-        covariates = {name: values[some] for name, values in self.covariates.items()}
-        return replace(self, **parts, covariates=covariates)
+        return self._chosen(some)
 
     def padded(self, frames: int) -> PoseData:
         """Return the data with empty frames at the end, as many frames a shot as wanted."""
@@ -213,6 +226,7 @@ class PoseData:
             position_sigma=longer(self.position_sigma, np.inf),
             rotation=longer(self.rotation, np.eye(3)),
             rotation_sigma=longer(self.rotation_sigma, np.inf),
+            turn_shape=None if self.turn_shape is None else longer(self.turn_shape, np.eye(3)),
         )
 
     @classmethod
@@ -224,6 +238,8 @@ class PoseData:
         if len(parts) == 1:
             return parts[0]
         arrays: dict[str, Any] = {n: np.concatenate([getattr(p, n) for p in parts]) for n in ARRAYS}
+        if any(p.turn_shape is not None for p in parts):
+            arrays["turn_shape"] = np.concatenate([p.turns for p in parts])
         common = set[str].intersection(*(set(p.covariates) for p in parts))
         covariates = {
             name: np.concatenate([p.covariates[name] for p in parts])

@@ -223,6 +223,7 @@ def _frames_like(data: PoseData, like: NDArray[np.intp], settings: Sequence[Sett
     return replace(
         data,
         **{name: getattr(data, name)[like] for name in arrays},
+        turn_shape=None,
         shots=np.arange(count, dtype=np.intp),
         covariates=covariates,
     )

@@ -15,6 +15,7 @@ from analysis.errors import InputError
 from analysis.exchange.pose_table import (
     POSES,
     POSES_SLOW,
+    POSES_TURN,
     PoseRow,
     own_slow_errors,
     pose_writer,
@@ -55,6 +56,38 @@ def test_a_shot_may_have_slow_errors_of_its_own(tmp_path: Path) -> None:
     own = own_slow_errors(shots[1], stated)
     assert (own.position_m, own.rotation_rad, own.scale) == (2e-5, 3e-3, 1e-3)
     assert own_slow_errors({"a": [], "b": []}, stated) == stated
+
+
+def with_turn(folder: Path, sigma: str, *spread: str) -> Path:
+    path = folder / "poses.csv"
+    row = changed(sigma_rot_rad=sigma)
+    path.write_text(f"{HEADER},{','.join(POSES_TURN)}\n{row},{','.join(spread)}\n")
+    return path
+
+
+def test_a_turn_may_be_known_less_about_one_axis(tmp_path: Path) -> None:
+    spread = ("1e-4", "1e-4", "2.5e-3", "0", "3e-5", "-2e-5")
+    [pose] = read_poses(with_turn(tmp_path, "0.03", *spread))[1]["a"]
+    assert pose.turn_covariance == (1e-4, 1e-4, 2.5e-3, 0.0, 3e-5, -2e-5)
+    [pose] = read_poses(with_turn(tmp_path, "0.03", *[""] * 6))[1]["a"]
+    assert pose.turn_covariance is None
+
+
+TURN_FAULTS = {
+    "some fields empty": ("0.03", ("1e-4", "", "", "", "", ""), "all of them, or none"),
+    "no covariance": ("0.01", ("1e-4", "1e-4", "1e-4", "2e-4", "0", "0"), "its least variance is"),
+    "of another size": ("0.01", ("1e-4", "1e-4", "2.5e-3", "0", "0", "0"), "and 0.03 by the cov"),
+    "without its size": ("", ("1e-4", "1e-4", "2.5e-3", "0", "0", "0"), "sigma_rot_rad is nan"),
+}
+
+
+@pytest.mark.parametrize("fault", TURN_FAULTS)
+def test_a_false_covariance_of_a_turn_is_named_with_its_line(tmp_path: Path, fault: str) -> None:
+    sigma, spread, reason = TURN_FAULTS[fault]
+    with pytest.raises(InputError) as caught:
+        read_poses(with_turn(tmp_path, sigma, *spread))
+    assert caught.value.line == 2
+    assert reason in caught.value.reason
 
 
 def test_rows_in_any_order_come_back_by_shot_sphere_and_frame(tmp_path: Path) -> None:
@@ -185,7 +218,8 @@ def test_what_the_analysis_writes_comes_back_to_the_last_digit(
     with pose_writer(path) as write:
         write(7, measured)
     spheres = read_poses(path)[7]
-    assert path.read_text(encoding="utf-8").splitlines()[0].split(",") == [*POSES, *POSES_SLOW]
+    heading = path.read_text(encoding="utf-8").splitlines()[0].split(",")
+    assert heading == [*POSES, *POSES_SLOW, *POSES_TURN]
     for name, centres, turned in zip("ab", measured.centres, measured.orientations, strict=True):
         rows = spheres[name]
         assert [row.frame for row in rows] == centres.frames.tolist()
@@ -197,3 +231,6 @@ def test_what_the_analysis_writes_comes_back_to_the_last_digit(
         assert read.as_matrix() == pytest.approx(turned.rotation, abs=1e-12)
         spread = np.sqrt(np.trace(turned.covariance, axis1=1, axis2=2) / 3)
         assert [row.rotation_sigma for row in seen] == pytest.approx(spread, rel=1e-14)
+        index = ([0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2])
+        six = [each[index].tolist() for each in turned.covariance]
+        assert [list(row.turn_covariance or ()) for row in seen] == six

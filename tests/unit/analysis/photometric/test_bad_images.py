@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from analysis.photometric.learn.appearance import Appearance
-from analysis.photometric.method import teach
+from analysis.photometric.teaching import teach
 from analysis.setup import Setup
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot, analyse_shot
 from simulators.world import Launch, RenderedShot, WorldDescription, render_shot

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from analysis.photometric.method import followed_film, teach
+from analysis.photometric.method import followed_film
 from analysis.photometric.render.camera import disc_of
+from analysis.photometric.teaching import teach
 from simulators.world import Launch, RenderedShot, WorldDescription, render_shot
 from simulators.world.lamp import Lamp
 from simulators.world.optics import Optics

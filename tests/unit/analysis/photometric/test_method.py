@@ -9,7 +9,8 @@ import pytest
 
 from analysis.errors import ShotRefusedError
 from analysis.motion.rotation import rotation_vector
-from analysis.photometric.method import followed_film, measure_poses, teach
+from analysis.photometric.method import followed_film, measure_poses
+from analysis.photometric.teaching import teach
 from analysis.shot import AnalysisOptions, MeasuredShot, analyse_shot
 from simulators.world import Launch, WorldDescription, render_shot
 from tests.unit.analysis.rendered import setup_of

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from analysis.photometric.method import followed_film, teach
+from analysis.photometric.method import followed_film
+from analysis.photometric.teaching import teach
 from analysis.shot import AnalysisOptions, MeasuredShot, analyse_shot
 from simulators.world import Launch, WorldDescription, render_shot
 from simulators.world.optics import Optics

@@ -1,0 +1,66 @@
+"""Whether a sphere's spin changes as the impulse on it asks for: a test of followed turns.
+
+One impulse J at the contact changes velocity and spin of a sphere together, I (w' - w) = -R n x J,
+whatever the law of contact. Orientations seen by few markers may be followed in a wrong turn that
+is as smooth as a true one; velocities, which come from the outlines, contradict it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from analysis.arrays import Floats
+from analysis.collision.coefficients import Impact
+from analysis.collision.operator import Body
+
+ALONG_Z = np.array([0.0, 0.0, 1.0])
+MOST_OFF, AGREES = 3.0, 1.0
+"""Of what errors allow: spins off by more are contradicted, where the other sphere's agree. A law
+of contact that the balance lacks, as a moment of its own, would bring both off alike."""
+NORMAL_TURNS = 0.01
+"""Share of the impulse that the normal turns by during a contact of unknown length, at least."""
+
+
+def contradicted(impact: Impact, bodies: tuple[Body, Body], *, depth_seen: bool) -> int | None:
+    """Return the sphere, 0 for a and 1 for b, whose spins the impulse alone contradicts."""
+    off = spins_off(impact, bodies, depth_seen=depth_seen)
+    worst = int(np.nan_to_num(off).argmax())
+    return worst if off[worst] > MOST_OFF and off[1 - worst] < AGREES else None
+
+
+def spins_off(impact: Impact, bodies: tuple[Body, Body], *, depth_seen: bool) -> Floats:
+    """Return by how much each sphere's change of spin is off, over what errors allow, shape (2,).
+
+    The largest of the components across the normal; without depth that about Z, which velocities in
+    the picture give. Not a number where a spin is not measured, and of a plate.
+
+    Parameters
+    ----------
+    bodies
+        Of a and b.
+    depth_seen
+        Whether Z was measured.
+    """
+    before, after = impact.before, impact.after
+    changes = after.velocity_a - before.velocity_a, after.velocity_b - before.velocity_b
+    spins = after.spin_a - before.spin_a, after.spin_b - before.spin_b
+    errors = np.linalg.norm(impact.state_sigma, axis=0)
+    unsure = _normal_turns(impact, bodies)
+    off = np.full(2, np.nan)
+    for i, body in enumerate(bodies):
+        if body.is_plate or not np.isfinite(spins[i]).all():
+            continue
+        gain = (1.0 if i == 0 else -1.0) * body.mass * body.radius / body.inertia
+        left = spins[i] - gain * np.cross(impact.normal, changes[i])
+        left = left - (left @ impact.normal) * impact.normal if depth_seen else left * ALONG_Z
+        speed = np.linalg.norm(errors[i]) + unsure * np.linalg.norm(changes[i])
+        off[i] = np.max(np.abs(left) / np.hypot(errors[2 + i], abs(gain) * speed))
+    return off
+
+
+def _normal_turns(impact: Impact, bodies: tuple[Body, Body]) -> float:
+    """Return by how much the normal may turn while the contact lasts, rad."""
+    relative = impact.before.velocity_b - impact.before.velocity_a
+    across = float(np.linalg.norm(np.cross(impact.normal, relative)))
+    lasts = 0.0 if impact.duration is None else impact.duration.value + impact.duration.sigma
+    return max(NORMAL_TURNS, across * lasts / (bodies[0].radius + bodies[1].radius))
