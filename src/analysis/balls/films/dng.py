@@ -62,6 +62,30 @@ def read_dng(file: Path, budget: FrameBudget) -> NDArray[np.generic]:
     return np.asarray(cv2.demosaicing(mosaic, _PATTERNS[pattern]))
 
 
+def read_exposure(file: Path) -> float | None:
+    """Return the exposure, s, that a raw picture states; None: it states none.
+
+    Source: tag ExposureTime (33434), among the picture's own or in its Exif directory (DNG
+    specification 1.6). A rate of frames (51044) is the player's, and is not taken.
+
+    Raises
+    ------
+    InputError
+        Its tags cannot be read.
+    """
+    try:
+        with tifffile.TiffFile(file, _multifile=False) as tiff:
+            tags = tiff.pages.first.tags
+            stated = tags.valueof("ExposureTime", None)
+            stated = stated or tags.valueof("ExifTag", {}).get("ExposureTime")
+    # A damaged file makes the library raise whatever its parser stumbles over.
+    except Exception as error:
+        raise InputError(file, f"its tags cannot be read: {error}") from error
+    if not isinstance(stated, tuple) or len(stated) != 2 or 0 in stated:
+        return None
+    return float(stated[0]) / float(stated[1])
+
+
 def _described(file: Path) -> tuple[int, tuple[int, ...], bool]:
     """Return photometric interpretation, pattern of colours, and whether it is a preview."""
     try:

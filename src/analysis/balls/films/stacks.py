@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.balls.films.dng import read_dng
+from analysis.balls.films.dng import read_dng, read_exposure
 from analysis.balls.films.film import Film, FilmHead, Picture
 from analysis.errors import InputError
 from analysis.files import FrameBudget
@@ -39,10 +40,14 @@ class PictureFolder(Film):
         if len(suffixes) > 1:
             kinds = " and ".join(sorted(suffixes))
             raise InputError(path, f"holds pictures of several kinds: {kinds}; keep one of them")
-        self._files = numbered_files(path, suffixes.pop())
+        suffix = suffixes.pop()
+        self._files = numbered_files(path, suffix)
         FrameBudget(path).require_frames(len(self._files))
         height, width, channels = read_one(self._files[0]).shape
-        super().__init__(path, FilmHead(len(self._files), height, width, channels))
+        head = FilmHead(len(self._files), height, width, channels)
+        if suffix == RAW_SUFFIX:
+            head = replace(head, exposure_s=read_exposure(self._files[0]))
+        super().__init__(path, head)
 
     def _read(self) -> Iterator[Picture]:
         head = self.head

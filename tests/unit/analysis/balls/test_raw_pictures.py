@@ -22,9 +22,15 @@ MOSAIC, GREY = 32803, 1
 
 
 def dng(
-    values: Values, kind: int, pattern: tuple[int, ...] = (), preview: bool = False, code: int = 1
+    values: Values,
+    kind: int,
+    pattern: tuple[int, ...] = (),
+    preview: bool = False,
+    code: int = 1,
+    exposure: tuple[int, int] | None = None,
+    rate: tuple[int, int] | None = None,
 ) -> bytes:
-    """Return a file of one directory and one strip of 16 bits."""
+    """Return a file of one directory and one strip of 16 bits, and two fractions behind it."""
     content = values.astype("<u2").tobytes()
     rows, columns = values.shape
     tags = [
@@ -42,11 +48,17 @@ def dng(
     if pattern:
         tags.append((33421, SHORT, 2, 2 | 2 << 16))
         tags.append((33422, BYTE, 4, int.from_bytes(bytes(pattern), "little")))
+    end = 8 + len(content)
+    fractions = b""
+    for number, kind_of_number, fraction in ((33434, 5, exposure), (51044, 10, rate)):
+        if fraction is not None:
+            tags.append((number, kind_of_number, 1, end + len(fractions)))
+            fractions += struct.pack("<II", *fraction)
     directory = struct.pack("<H", len(tags))
     for tag in tags:
         directory += struct.pack("<HHII", *tag)
-    head = struct.pack("<2sHI", b"II", 42, 8 + len(content))
-    return head + content + directory + struct.pack("<I", 0)
+    head = struct.pack("<2sHI", b"II", 42, end + len(fractions))
+    return head + content + fractions + directory + struct.pack("<I", 0)
 
 
 def folder_of(tmp_path: Path, *files: bytes) -> Path:
@@ -123,3 +135,21 @@ def test_a_damaged_raw_picture_is_read_or_refused(
         film = open_film(folder)
         for picture in film.pictures():
             assert picture.shape == (film.head.height, film.head.width, film.head.channels)
+
+
+def test_the_exposure_comes_from_the_tags_and_the_rate_of_the_player_does_not(
+    tmp_path: Path,
+) -> None:
+    grey = np.full((ROWS, COLUMNS), 900, dtype=np.uint16)
+    film = open_film(folder_of(tmp_path, dng(grey, GREY, exposure=(1, 2000), rate=(24, 1))))
+    assert film.head.exposure_s == pytest.approx(0.0005)
+    assert film.head.rate_hz is None
+
+
+@pytest.mark.parametrize("exposure", [None, (0, 1), (1, 0)])
+def test_a_picture_that_states_no_exposure_has_none(
+    exposure: tuple[int, int] | None, tmp_path: Path
+) -> None:
+    grey = np.full((ROWS, COLUMNS), 900, dtype=np.uint16)
+    head = open_film(folder_of(tmp_path, dng(grey, GREY, exposure=exposure))).head
+    assert head.exposure_s is None
