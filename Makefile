@@ -16,7 +16,7 @@ test: $(READY)
 	$(BIN)/python -m pytest -n 4 --dist worksteal
 
 test-long: $(READY)
-	$(BIN)/python -m pytest -n 2 --dist worksteal -m long
+	$(BIN)/python -m pytest -n 3 --dist worksteal -m long
 
 # Drivers on a real kernel, in a virtual machine; skipped with the reason where it cannot be had.
 test-kernel: $(READY)
