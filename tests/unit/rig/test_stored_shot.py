@@ -148,7 +148,7 @@ def test_six_shots_teach_together_and_the_first_five_are_measured_again(
         analysis.shown = 0.9
         return lesson(0.9)
 
-    monkeypatch.setattr("analysis.photometric.method.teach", teach)
+    monkeypatch.setattr("analysis.photometric.teaching.teach", teach)
     again = [measure(process, shot=name).again for name in names(8)]
     assert taught == [6]
     assert again == [()] * 5 + [tuple(names(5))] + [()] * 2
@@ -173,7 +173,7 @@ def test_a_side_that_no_shot_has_shown_yet_is_no_reason_to_forget_the_others(
 def test_other_spheres_after_the_pair_is_known_begin_anew(
     analysis: Analysis, process: LearnedPairs, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("analysis.photometric.method.teach", lambda _: lesson(0.5))
+    monkeypatch.setattr("analysis.photometric.teaching.teach", lambda _: lesson(0.5))
     for name in names(6):
         measure(process, shot=name)
     analysis.shown = 0.7
