@@ -40,6 +40,16 @@ def _put_aside_what_is_loaded() -> None:
         gc.freeze()
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with tests that are granted time of their own: none is left for one worker alone."""
+    items.sort(key=_granted_s, reverse=True)
+
+
+def _granted_s(item: pytest.Item) -> float:
+    own = item.get_closest_marker("timeout")
+    return float(own.args[0]) if own else 0.0
+
+
 def pytest_collection_finish() -> None:
     _put_aside_what_is_loaded()
 

@@ -29,7 +29,7 @@ def run(module: str, tmp_path: Path, *words: str) -> dict[str, object]:
     return dict(json.loads(out.read_text()))
 
 
-@pytest.mark.parametrize("most", [12, pytest.param(120, marks=pytest.mark.long)])
+@pytest.mark.parametrize("most", [12, pytest.param(80, marks=pytest.mark.long)])
 @pytest.mark.timeout(1000)
 def test_faults_drawn_from_the_plan_end_in_a_named_error_and_a_safe_state(
     tmp_path: Path, most: int

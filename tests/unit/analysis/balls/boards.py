@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import cv2
 import numpy as np
@@ -58,16 +59,22 @@ def charuco(columns: int, rows: int, kind: int, square_px: int = 40) -> Grey:
     return np.asarray(board.generateImage(size, marginSize=square_px))
 
 
+@cache
+def _fine_rays(lens: TrueLens) -> Floats:
+    """Return the directions that are seen in a picture, FINE each way, shape (rows, columns, 3)."""
+    size = lens.height * FINE, lens.width * FINE
+    rows, columns = (np.mgrid[: size[0], : size[1]] + 0.5) / FINE - 0.5
+    x, y = lens.rays(rows, columns)
+    return np.stack([x, y, np.ones_like(x)], axis=-1)
+
+
 def filmed(lens: TrueLens, texture: Grey, square_m: float, view: int, square_px: int = 40) -> Grey:
     """Return the picture of a board held at one of many angles, with noise."""
     rng = np.random.default_rng(view)
     turn, _ = cv2.Rodrigues(rng.uniform(-1, 1, 3) * (0.6, 0.6, 0.15))
     middle = np.array([texture.shape[1], texture.shape[0]]) / square_px * square_m / 2
     place = np.array([*rng.uniform(-0.05, 0.05, 2), rng.uniform(0.24, 0.34)])
-    size = lens.height * FINE, lens.width * FINE
-    rows, columns = (np.mgrid[: size[0], : size[1]] + 0.5) / FINE - 0.5
-    x, y = lens.rays(rows, columns)
-    rays = np.stack([x, y, np.ones_like(x)], axis=-1)
+    rays = _fine_rays(lens)
     # Ray t d meets the board's plane n . (p - place) = 0.
     depth = (turn[:, 2] @ place) / (rays @ turn[:, 2])
     on_board = (rays * depth[..., None] - place) @ turn[:, :2] + middle
@@ -81,4 +88,5 @@ def filmed(lens: TrueLens, texture: Grey, square_m: float, view: int, square_px:
         borderValue=120.0,
     )
     small = light.reshape(lens.height, FINE, lens.width, FINE).mean(axis=(1, 3))
-    return np.clip(small + rng.normal(0, 1.5, small.shape), 0, 255).astype(np.uint8)
+    noisy = small + rng.normal(0, 1.5, small.shape)
+    return np.asarray(np.clip(noisy, 0, 255), np.uint8)
