@@ -70,7 +70,7 @@ class _ModelClock:
         return self.now
 
 
-@settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=12, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.lists(COMMANDS, min_size=3, max_size=12))
 def test_firmware_and_simulated_box_give_the_same_answers(
     new_box: Callable[[], Box], steps: list[str | float | bool]

@@ -42,4 +42,4 @@ def test_broken_files_are_read_or_refused_in_one_sentence(tmp_path: Path) -> Non
 
 @pytest.mark.long
 def test_many_broken_files_are_read_or_refused_in_one_sentence(tmp_path: Path) -> None:
-    require_faultless(run(range(20_000), 3, 2, tmp_path), 20_000)
+    require_faultless(run(range(10_000), 3, 2, tmp_path), 10_000)
