@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from analysis.model.proposals.admissible import admitted
 from analysis.model.proposals.channels import Channels
 from analysis.model.proposals.forms.form import ContactForm
-from analysis.model.proposals.forms.shapes import LINEAR, POWER
+from analysis.model.proposals.products import alone
 from analysis.model.proposals.refine import PENALTY
 from analysis.model.proposals.screen import columns_of, contact_forms
 
@@ -21,14 +21,6 @@ Floats = NDArray[np.float64]
 Group = tuple[str, str]
 
 DRAWS, SET = 400, 3
-
-
-def alone(form: ContactForm) -> list[ContactForm]:
-    """Return the arguments of a product by themselves."""
-    return [
-        ContactForm(form.slot, (a,), POWER if a.positive else LINEAR, (zero,), (1.0,))
-        for a, zero in zip(form.arguments, form.constants, strict=True)
-    ]
 
 
 def found_by_likelihood(channels: Channels, product: ContactForm, d: float, seed: int) -> float:
@@ -50,11 +42,11 @@ def found_by_likelihood(channels: Channels, product: ContactForm, d: float, seed
     mains: dict[tuple[str, tuple[str, str]], int] = {}
     products = [form for form in forms if len(form.arguments) == 2]
     for form in products:
-        for argument, own in zip(form.arguments, alone(form), strict=True):
+        for place, argument in enumerate(form.arguments):
             key = form.slot, argument.key
             if key not in mains:
                 mains[key] = len(weights)
-                weights.append(channels.weights(own))
+                weights.append(channels.weights(alone(form, place)))
     weights.append(channels.weights(product))
     matrix = channels.summed(weights).matrix
     values, vectors = np.linalg.eigh(matrix)

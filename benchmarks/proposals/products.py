@@ -19,8 +19,9 @@ from analysis.model.fitting.fit import fit_campaign
 from analysis.model.proposals.arguments import known_arguments
 from analysis.model.proposals.channels import Channels, channels_of
 from analysis.model.proposals.forms.form import ContactForm
+from analysis.model.proposals.products import alone
 from benchmarks.discovery.campaigns import SILENCE, STATED, posed
-from benchmarks.proposals.likelihood import alone, found_by_likelihood
+from benchmarks.proposals.likelihood import found_by_likelihood
 from simulators.challenge.campaign import Noise, run_campaign
 from simulators.challenge.launch import Settings, Touch
 from simulators.challenge.nature import Nature
@@ -150,7 +151,7 @@ def true_product(channels: Channels, pair: Pair, off: int) -> ContactForm:
 
 def share_alone(channels: Channels, product: ContactForm) -> float:
     """Return the share of what a product does that its arguments do by themselves."""
-    forms = (product, *alone(product))
+    forms = product, alone(product, 0), alone(product, 1)
     matrix = channels.summed([channels.weights(form) for form in forms]).matrix
     across = matrix[0, 1:]
     return float(across @ np.linalg.solve(matrix[1:, 1:], across) / matrix[0, 0])

@@ -29,7 +29,7 @@ def freed_products(channels: Channels, forms: Sequence[Form]) -> list[ScoredForm
     if not products:
         return []
     mains = {
-        (form.slot, argument.key): _alone(form, place)
+        (form.slot, argument.key): alone(form, place)
         for form in products
         for place, argument in enumerate(form.arguments)
     }
@@ -58,7 +58,7 @@ def main_groups(form: Form) -> set[tuple[str, str]]:
     return {(form.slot, argument.name) for argument in arguments}
 
 
-def _alone(form: ContactForm, place: int) -> ContactForm:
+def alone(form: ContactForm, place: int) -> ContactForm:
     """Return one argument of a product by itself, with the zero that it has in the product."""
     argument, zero = form.arguments[place], form.constants[place]
     shape = POWER if argument.positive else LINEAR
