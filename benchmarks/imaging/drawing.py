@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import as_singles
 from analysis.motion.rotation import rotation_matrix
 from analysis.photometric.render.camera import Optics
 from analysis.photometric.render.pose import fit_pose
@@ -80,7 +81,7 @@ def sight_of(
     optics = Optics(np.eye(3)[None], np.zeros((1, 2)), np.array([RADIUS]), np.ones(1), rows)
     background = np.full(image.shape, BACKGROUND)
     shadowed = np.zeros(image.shape, dtype=np.bool_)
-    scene = Scene(image, background, noise, shadowed)
+    scene = Scene(as_singles(image), background, noise, shadowed)
     motion = np.array([0.0, smear_px / RADIUS, 0.0, 0.0, 0.0, 0.0])
     return Sight(scene, optics, look, np.zeros((1, 0, 3)), motion)
 

@@ -7,8 +7,19 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-Grey = NDArray[np.uint8] | NDArray[np.float32]
+Singles = NDArray[np.float32]
+
+Grey = NDArray[np.uint8] | Singles
 """Grey levels on the scale of 8 bits; with fractions where a camera has more bits."""
+
+
+def as_singles(frames: Grey) -> Singles:
+    """Return grey levels as compiled functions take them, contiguous in rows and writable.
+
+    They see one type, whatever the camera's depth: for another each would be compiled once more.
+    Every whole level is a single exactly. The same array where it is so already.
+    """
+    return np.require(frames, np.float32, ["C", "W"])
 
 
 def grey_like(values: Floats, kind: Grey) -> Grey:

@@ -8,7 +8,7 @@ from typing import Literal, Self
 
 import numpy as np
 
-from analysis.arrays import Floats, Grey
+from analysis.arrays import Floats, Grey, as_singles
 from analysis.errors import ShotRefusedError
 from analysis.imaging.assignment import LEAST_COVERAGE, follow
 from analysis.imaging.discs import common_radius
@@ -126,6 +126,7 @@ def track_spheres(
     ShotRefusedError
         With the step, the frame and the reason.
     """
+    frames = as_singles(frames)
     edges = film_edges(frames, settings)
     discs, curves = followed_discs(edges, times_s, setup, LEAST_COVERAGE)
     refuse_repeats(frames, discs)

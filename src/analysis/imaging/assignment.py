@@ -10,7 +10,7 @@ from itertools import product
 
 import numpy as np
 
-from analysis.arrays import Floats
+from analysis.arrays import Floats, as_singles
 from analysis.errors import ShotRefusedError
 from analysis.imaging.discs import Disc, discs, pair_apart, vote, vote_radii
 from analysis.imaging.edge.frame import FilmEdges, filters
@@ -173,7 +173,7 @@ def _followed(
     start: tuple[int, Floats, Floats],
     rules: Rules,
 ) -> tuple[FilmDiscs, FilmCurves]:
-    frames = np.require(film.frames, None, ["C", "W"])
+    frames = as_singles(film.frames)
     filtered = filters(film.settings, film.least_strength)
     curves, outlines = follow_discs(frames, filtered, start, rules)
     return film_discs(tuple(geometry.view for geometry in views), outlines), curves

@@ -8,9 +8,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.arrays import Floats
+from analysis.arrays import Floats, Singles
 
-Singles = NDArray[np.float32]
 Picture = NDArray[np.uint8] | NDArray[np.uint16]
 
 Scan = Literal["progressive", "top-first", "bottom-first"]

@@ -8,7 +8,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.arrays import Floats, Grey
+from analysis.arrays import Floats, Singles
 from analysis.compiled import compiled, part
 from analysis.imaging.discs import peaks_near
 from analysis.imaging.edge.windows import Filters, Integers, edges_about
@@ -175,7 +175,7 @@ def look_about(edges: Edges, discs: Floats, reach_px: float, rules: Rules) -> tu
 
 @part
 def look_within(
-    frame: Grey,
+    frame: Singles,
     filters: Filters,
     discs: Floats,
     search: tuple[float, NDArray[np.bool_]],
@@ -204,7 +204,7 @@ def look_within(
 
 @part
 def look(
-    frame: Grey, filters: Filters, discs: Floats, far: Floats, rules: Rules
+    frame: Singles, filters: Filters, discs: Floats, far: Floats, rules: Rules
 ) -> tuple[Floats, Integers, Look]:
     """Find the edges of a frame about some places, and the outlines that hold.
 
@@ -252,7 +252,7 @@ def keep(found: Look, own: Indices, k: int, outlines: Outlines, size: int) -> tu
 
 @compiled
 def follow_discs(
-    frames: Grey,
+    frames: Singles,
     filters: Filters,
     start: tuple[int, Floats, Floats],
     rules: Rules,

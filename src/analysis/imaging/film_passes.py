@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.arrays import Floats, Grey
+from analysis.arrays import Floats, Singles
 from analysis.compiled import compiled, part
 from analysis.imaging.edge.windows import Filters, edges_about
 from analysis.imaging.film_following import FilmCurves, Outlines, keep
@@ -76,7 +76,7 @@ def refit_discs(
 
 @compiled
 def filtered_otherwise(
-    frames: Grey, filters: Filters, circles: Floats, limits: tuple[float, bool]
+    frames: Singles, filters: Filters, circles: Floats, limits: tuple[float, bool]
 ) -> tuple[Floats, Floats]:
     """Return radius and coverage of known discs as another filter gives them.
 

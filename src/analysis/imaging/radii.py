@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from analysis.arrays import Grey
+from analysis.arrays import Grey, as_singles
 from analysis.errors import ShotRefusedError
 from analysis.imaging.assignment import KEEP_OFF_SIGMAS
 from analysis.imaging.edge.frame import EdgeSettings, filters, gradient_threshold
@@ -89,7 +89,7 @@ def filter_bias(
     common = np.flatnonzero(discs.found.all(axis=(0, 1)))
     chosen = common[:: max(1, len(common) // FRAMES_TRIED)]
     finer, shares = filtered_otherwise(
-        frames[chosen],
+        as_singles(frames[chosen]),
         filters(fine, gradient_threshold(noise, fine.sigma_px)),
         np.ascontiguousarray(circles[:, chosen]),
         (KEEP_OFF_SIGMAS * settings.sigma_px, False),

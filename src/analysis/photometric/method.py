@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from analysis.arrays import Floats, Grey
+from analysis.arrays import Floats, Grey, as_singles
 from analysis.compiled import kept_on_disk
 from analysis.errors import ShotRefusedError
 from analysis.imaging.edge.frame import noise_sd
@@ -61,7 +61,7 @@ def learned_film(frames: Grey, times_s: Floats, setup: Setup) -> tuple[Film, App
     ShotRefusedError
         With the step, the frame and the reason.
     """
-    frames = filled(frames, noise_of(frames))
+    frames = as_singles(filled(frames, noise_of(frames)))
     start = first_tracking(frames, times_s, setup)
     film, guess = first_film(frames, times_s, start, setup)
     hold = setup.camera.scale_px_per_m is not None

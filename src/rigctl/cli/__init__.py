@@ -197,7 +197,8 @@ COMMANDS: dict[str, Command | Group] = {
     ),
     "precompile": Command(
         "frames.precompile:precompile",
-        "Compile the analysis for this machine once, a minute or two; no first shot waits for it.",
+        "Compile the analysis for this machine once, so that no first shot waits for it: two "
+        "processes take some 100 s of a processor each.",
     ),
     "import": Command(
         "store.exchange:import_folder",

@@ -9,6 +9,7 @@ import pytest
 import tifffile
 from rendered import setup_of, shot
 
+from analysis import compiled
 from analysis.document import overlay_document, shot_document
 from analysis.imaging.edge.frame import EdgeSettings
 from analysis.imaging.files.stack import read_stack
@@ -65,16 +66,25 @@ def test_a_rendered_shot_is_measured(measured: MeasuredShot, rendered: RenderedS
 
 @pytest.mark.long
 def test_twelve_bits_are_measured_as_eight_are(
-    measured: MeasuredShot, rendered: RenderedShot, tmp_path: Path
+    measured: MeasuredShot,
+    rendered: RenderedShot,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Bits below the eighth are drawn, so that they hold nothing: their rounding is noise."""
+    """Bits below the eighth are drawn, so that they hold nothing: their rounding is noise.
+
+    Nor is anything compiled once more for them.
+    """
     below = np.random.default_rng(1).integers(0, 16, rendered.frames.shape)
     tifffile.imwrite(
         tmp_path / "0001.tiff", (16 * rendered.frames.astype(int) + below).astype(np.uint16)
     )
     stack = read_stack(tmp_path / "0001.tiff")
     assert stack.light.dtype == np.float32
+    compiled_here: list[int] = []
+    monkeypatch.setattr(compiled, "_listeners", [lambda done, _: compiled_here.append(done)])
     deep = found(analyse_shot(stack.light, rendered.times_s, SETUP))
+    assert not compiled_here
     assert_true(deep, rendered.truth)
     for one, other in ((deep.impact.v_n, measured.impact.v_n), (deep.impact.e, measured.impact.e)):
         assert one.value == pytest.approx(other.value, abs=other.sigma)

@@ -10,12 +10,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.arrays import Floats
+from analysis.arrays import Floats, Singles
 from analysis.balls.discs.gradient import SIGMA_PX, Gradient, gradient
 from analysis.balls.discs.judging import LEAST_SECTORS, false_alarms, fit_circle
 from analysis.balls.discs.votes import RADIUS_STEP, candidates
-
-Singles = NDArray[np.float32]
 
 SEARCH_RADIUS_PX = 12.5
 """Larger discs are sought in a smaller picture, where their radius is one to two of these."""

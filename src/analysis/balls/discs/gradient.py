@@ -9,9 +9,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Singles
 from analysis.compiled import compiled
-
-Singles = NDArray[np.float32]
 
 SIGMA_PX = 1.2
 NOISE_QUANTILE = 0.3

@@ -6,10 +6,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.arrays import Floats
+from analysis.arrays import Floats, Singles
 from analysis.compiled import compiled
-
-Singles = NDArray[np.float32]
 
 RADIUS_STEP = 1.05
 BLUR = 0.06

@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.arrays import Floats
+from analysis.arrays import Floats, Singles
 from analysis.balls.films.film import Film, Picture
 from analysis.errors import ShotRefusedError
-from analysis.imaging.fields import Singles, field_times, filled, grey, order, parities
+from analysis.imaging.fields import field_times, filled, grey, order, parities
 
 CHANGED_SIGMAS = 6.0
 LEAST_SHARE, LEAST_COMBED = 0.04, 40

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Singles
 from analysis.balls.films.film import FilmHead, Picture
 
-Singles = NDArray[np.float32]
 BRIGHTNESS = np.array([0.114, 0.587, 0.299])
 """Of blue, green and red (ITU-R BT.601)."""
 

@@ -9,10 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.arrays import Floats, Grey
+from analysis.arrays import Floats, Grey, Singles
 from analysis.compiled import compiled, part
-
-Singles = NDArray[np.float32]
 
 HALF_WIDTH_PER_SIGMA = 4
 """The thesis cuts the filter at 17 x 17 pixels for a standard deviation of 2: four each side."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.arrays import Floats, Grey
+from analysis.arrays import Floats, Grey, Singles, as_singles
 from analysis.compiled import compiled
 from analysis.imaging.edge.edges import half_kernels
 from analysis.imaging.edge.facet import BORDER_SIGMAS, EdgePoints
@@ -71,13 +71,13 @@ def noise_sd(frames: Grey) -> float:
     twice the noise of one pixel. The median over small blocks leaves out those that an edge
     crosses. Never below the rounding of 8 bits, 1/sqrt(12).
     """
-    sample = np.require(frames[:: max(1, len(frames) // 8)], None, ["C", "W"])
+    sample = as_singles(frames[:: max(1, len(frames) // 8)])
     variance = np.median(block_squares(sample))
     return float(max(np.sqrt(variance) / 2.0, 12**-0.5))
 
 
 @compiled
-def block_squares(frames: Grey) -> Floats:
+def block_squares(frames: Singles) -> Floats:
     """Return the mean squares of the mixed second differences over blocks of frames, flat."""
     count, rows, columns = frames.shape
     down, across = (rows - 1) // NOISE_BLOCK_PX, (columns - 1) // NOISE_BLOCK_PX
@@ -119,6 +119,6 @@ def find_edges(frame: Grey, settings: EdgeSettings, least_strength: float) -> Fr
     """Filter a whole frame, find its edge points and label its curves."""
     rows, columns = frame.shape
     everywhere = np.array([[rows / 2, columns / 2, max(rows, columns)]])
-    plain = np.require(frame, None, ["C", "W"])
+    plain = as_singles(frame)
     filled, pixels, labels = edges_about(plain, everywhere, *filters(settings, least_strength))
     return FrameEdges((rows, columns), EdgePoints(*filled, *pixels), labels)

@@ -11,9 +11,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.arrays import Floats, Grey
+from analysis.arrays import Floats, Singles
 from analysis.compiled import compiled, part
-from analysis.imaging.edge.edges import STRIP, Singles, filter_strip, framed_strip
+from analysis.imaging.edge.edges import STRIP, filter_strip, framed_strip
 from analysis.imaging.edge.facet import mark_row
 from analysis.imaging.edge.labels import join_neighbours, name_roots
 from analysis.imaging.edge.roots import add_roots
@@ -29,7 +29,7 @@ pixels, shape (most, 2); what `roots.add_roots` fills, shape (most, 5); whether 
 
 @compiled
 def edges_about(
-    frame: Grey,
+    frame: Singles,
     places: Floats,
     taps: Singles,
     limits: tuple[float, int, int],
@@ -110,7 +110,7 @@ def which(marked: NDArray[np.bool_], places: NDArray[np.intp]) -> int:
 
 @part
 def mark_box(
-    frame: Grey,
+    frame: Singles,
     box: NDArray[np.intp],
     filters: tuple[Singles, float],
     marked: Marked,

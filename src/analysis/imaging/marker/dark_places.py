@@ -16,7 +16,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.arrays import Floats, Grey
+from analysis.arrays import Floats, Grey, Singles, as_singles
 from analysis.compiled import compiled
 from analysis.imaging.marker.marker_curves import FURTHEST_CENTRE
 from analysis.imaging.marker.markers import Markers, SeenDisc, joined
@@ -29,7 +29,7 @@ LEAST_SHARE = 1e-3
 
 @compiled
 def free_light(
-    frame: Grey, corner: tuple[int, int], discs: Floats, free: Singles, light: Singles
+    frame: Singles, corner: tuple[int, int], discs: Floats, free: Singles, light: Singles
 ) -> bool:
     """Mark the free pixels of a patch and take their light; tell whether there are any.
 
@@ -118,8 +118,6 @@ def weigh_places(missing: Singles, names: NDArray[np.int32], count: int) -> Floa
     return places
 
 
-Singles = NDArray[np.float32]
-
 SMOOTH_PX = 0.7
 WIDEST, BLURRED_PX = 0.5, 2.6
 """Width of the window: that of a marker of 0.25 radians, in radii, and what blur adds to it."""
@@ -180,7 +178,7 @@ def _in_disc(
     discs = np.array([(*place[:2], radius_px - LIMB_PX), *beside])
     free, light = np.empty((2, rows.stop - rows.start, columns.stop - columns.start), np.float32)
     corner = rows.start, columns.start
-    if not free_light(np.require(frame, None, ["C", "W"]), corner, discs, free, light):
+    if not free_light(as_singles(frame), corner, discs, free, light):
         return joined([])
     missing, dark = _missing(free, light, radius_px, least)
     count, names = cv2.connectedComponents(dark)

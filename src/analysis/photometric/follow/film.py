@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.arrays import Floats, Grey
+from analysis.arrays import Floats, Grey, Singles, as_singles
 from analysis.photometric.follow.cast_shadows import mark_shadows
 from analysis.photometric.follow.confirmation import confirmed
 from analysis.photometric.follow.whereabouts import whereabouts
@@ -71,7 +71,7 @@ class Film:
         Frames of each sphere that show it and hold no reliable pose, with the reason.
     """
 
-    frames: Grey
+    frames: Singles
     background: Floats
     noise: float
     shadowed: NDArray[np.bool_]
@@ -91,11 +91,10 @@ class Film:
     def blank(cls, frames: Grey, views: int, times_s: Floats, gravity: float) -> Film:
         """Return a film without poses."""
         count = len(frames)
-        whole = frames if frames.flags.c_contiguous else frames.copy()
         lights = np.zeros((2, count, views, LIGHTS))
         lights[..., 1] = 1.0
         return cls(
-            frames=whole,
+            frames=as_singles(frames),
             background=np.zeros(frames.shape[1:]),
             noise=1.0,
             shadowed=np.zeros(frames.shape, dtype=np.bool_),

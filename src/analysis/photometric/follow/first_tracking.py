@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.arrays import Floats, Grey
+from analysis.arrays import Floats, Grey, as_singles
 from analysis.errors import ShotRefusedError
 from analysis.imaging.edge.frame import EdgeSettings, FilmEdges, gradient_threshold, noise_sd
 from analysis.imaging.film_discs import FilmDiscs
@@ -98,7 +98,8 @@ def first_tracking(frames: Grey, times_s: Floats, setup: Setup) -> Tracking:
     ShotRefusedError
         With the step, the frame and the reason.
     """
-    settings, noise = EdgeSettings(), noise_sd(frames)
+    frames, settings = as_singles(frames), EdgeSettings()
+    noise = noise_sd(frames)
     discs, curves = _followed(film_edges(frames, settings), times_s, noise, setup)
     refuse_repeats(frames, discs)
     diameters = (setup.spheres[0].diameter_m, setup.spheres[1].diameter_m)
@@ -138,7 +139,8 @@ def track_unmarked(frames: Grey, times_s: Floats, setup: Setup, reason: str) -> 
     ShotRefusedError
         With the step, the frame and the reason.
     """
-    settings, noise = EdgeSettings(), noise_sd(frames)
+    frames, settings = as_singles(frames), EdgeSettings()
+    noise = noise_sd(frames)
     discs, curves = _followed(film_edges(frames, settings), times_s, noise, setup)
     refuse_repeats(frames, discs)
     radii = shared_radii(discs, (setup.spheres[0].diameter_m, setup.spheres[1].diameter_m))

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.arrays import Floats, grey_like
+from analysis.arrays import Floats
 from analysis.compiled import compiled, part
 from analysis.photometric.follow.film import Film
 from analysis.photometric.learn.appearance import Appearance
@@ -80,5 +80,5 @@ def unsmeared(film: Film, known: Appearance) -> Film:
     changes = np.zeros(film.frames.shape)
     for i in (0, 1):
         add_differences(film.reel(known, i), np.flatnonzero(film.placed[i]), changes)
-    frames = grey_like(film.frames + changes, film.frames)
+    frames = np.clip(film.frames + changes, 0.0, 255.0).astype(np.float32)
     return replace(film, frames=frames, motion=np.zeros_like(film.motion))

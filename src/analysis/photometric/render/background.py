@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from analysis.arrays import Floats, Grey
+from analysis.arrays import Floats, Singles
 from analysis.compiled import compiled
 
 DEGREE = 4
@@ -20,7 +20,7 @@ EVERY = 3
 
 @compiled
 def uncovered_sums(
-    frames: Grey, discs: Floats, sums: Floats, squares: Floats, counts: Floats
+    frames: Singles, discs: Floats, sums: Floats, squares: Floats, counts: Floats
 ) -> None:
     """Add up each pixel over the frames in which no disc is near it.
 
@@ -51,7 +51,7 @@ def uncovered_sums(
                 counts[i, j] += clear[j]
 
 
-def background_of(frames: Grey, discs: Floats) -> tuple[Floats, float]:
+def background_of(frames: Singles, discs: Floats) -> tuple[Floats, float]:
     """Return the background, shape (rows, columns), and the noise of a pixel, grey levels.
 
     A smooth surface goes through what is seen between the spheres; each pixel then follows its
@@ -100,7 +100,7 @@ def _surface(mean: Floats, counts: Floats, shape: tuple[int, ...]) -> Floats:
     return np.asarray(along @ grid @ across.T)
 
 
-def first_background(frames: Grey) -> Floats:
+def first_background(frames: Singles) -> Floats:
     """Return the median over a few frames: the still background, before any disc is known."""
     few = list(frames[:: max(1, len(frames) // FEW)][:FEW])
     # Exchanging whole frames sorts every pixel; the upper half alone gives the median.

@@ -12,7 +12,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.arrays import Floats, Grey
+from analysis.arrays import Floats, Singles
 from analysis.compiled import part
 from analysis.photometric.render.contour import LAYERS
 from analysis.photometric.render.residual import (
@@ -25,7 +25,7 @@ from analysis.photometric.render.residual import (
 from analysis.photometric.render.sight import Equations, Sight
 from analysis.photometric.render.surface import SPAN, SQUARE_STEPS
 
-Ground = tuple[Floats, Grey, NDArray[np.bool_], Floats]
+Ground = tuple[Floats, Singles, NDArray[np.bool_], Floats]
 """Background, grey levels and shadows of a frame, and the other discs in a view."""
 
 BAND = 256
@@ -41,7 +41,7 @@ ONE = np.uint64(1)
 
 @part
 def lay_along(
-    rows: tuple[Floats, Floats, Grey],
+    rows: tuple[Floats, Floats, Singles],
     u: float,
     v: tuple[float, float],
     piece: tuple[Floats, int, int],

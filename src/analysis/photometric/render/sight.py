@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.arrays import Floats, Grey
+from analysis.arrays import Floats, Singles
 from analysis.compiled import part
 from analysis.photometric.render.camera import Optics
 
@@ -61,7 +61,7 @@ class Scene(NamedTuple):
         shape.
     """
 
-    image: Grey
+    image: Singles
     background: Floats
     noise: float
     shadowed: NDArray[np.bool_]
@@ -128,7 +128,7 @@ class Reel(NamedTuple):
         Quality of each fit, shape (F, 5).
     """
 
-    images: Grey
+    images: Singles
     background: Floats
     noise: float
     shadowed: NDArray[np.bool_]

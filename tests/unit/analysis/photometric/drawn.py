@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import as_singles
 from analysis.photometric.render.camera import Optics
 from analysis.photometric.render.shading import HARMONICS, RADIALS, blurred_profiles, template
 from analysis.photometric.render.sight import Look, Scene, Sight, Stance
@@ -105,7 +106,8 @@ def sight_of(
         hands=np.ones(1),
         rows=np.array([[0, len(image)]]),
     )
-    scene = Scene(image, np.full(image.shape, background), noise, np.zeros(image.shape, bool))
+    still, shadowed = np.full(image.shape, background), np.zeros(image.shape, bool)
+    scene = Scene(as_singles(image), still, noise, shadowed)
     return Sight(scene, optics, look, np.zeros((1, 0, 3)), np.zeros(6))
 
 
