@@ -1,9 +1,9 @@
 """How fast the page is, and what it costs the rig: python -m benchmarks.page.
 
-A daemon of its own with the simulated rig, Chromium in front of it. Where it is asked what five
-browsers cost a fire request they stand aside on the last core, as they would on other machines: it
-is what the daemon does for them, not what they draw. Prints each number beside what is asked,
-writes out/page.json, and ends 1 where one is missed.
+A daemon of its own with the simulated rig, Chromium in front of it. What five pages cost a fire
+request is what the daemon does for them, so five follow without a browser; beside it stands what
+five browsers add that draw on the same computer, on its last core. Prints each number beside what
+is asked, writes out/page.json, and ends 1 where one is missed.
 """
 
 from __future__ import annotations
@@ -27,7 +27,8 @@ from playwright.sync_api import Browser, Page
 
 from benchmarks.cpu_seconds import of_process
 from benchmarks.page_cancels import cancels
-from benchmarks.page_served import LONG_S, RIGCTL, Served, launched, opened, served
+from benchmarks.page_followers import followers
+from benchmarks.page_served import LONG_S, RIGCTL, FireRequest, Served, launched, opened, served
 from benchmarks.page_waits import (
     Waited,
     cells_shown,
@@ -40,7 +41,7 @@ from benchmarks.page_waits import (
 
 OUT = Path("out/page.json")
 SMALL = 120
-BROWSERS, ROUNDS = 5, 4
+PAGES, ROUNDS = 5, 4
 DRAWS = 2000
 """Of the two lots of shots again, by which the error of the difference of their medians is had."""
 OPENINGS = 5
@@ -121,57 +122,72 @@ def first_page(browser: Browser, daemon: Served) -> list[Number]:
 
 @dataclass(slots=True)
 class Fired:
-    """Shots: how long each fire request took, s, and CPU seconds of the daemon meanwhile."""
+    """Fire requests, and CPU seconds of the daemon until all that follows them is done."""
 
-    took: list[float] = field(default_factory=list)
+    requests: list[FireRequest] = field(default_factory=list)
     daemon_s: float = 0.0
+
+    @property
+    def took(self) -> list[float]:
+        return [one.took_s for one in self.requests]
 
     def fire(self, daemon: Served, shots: int) -> None:
         """Fire so many, one after another, and wait until all that follows is done."""
         before = of_process(daemon.pid)
-        self.took += [daemon.fire() for _ in range(shots)]
+        self.requests += [daemon.fire() for _ in range(shots)]
         settle(daemon)
         self.daemon_s += of_process(daemon.pid) - before
 
 
-def fire_delay(browser: Browser, daemon: Served, shots: int) -> list[Number]:
-    """Compare fire requests with and without browsers that follow the rig ten times a second."""
+def fire_delay(browser: Browser, daemon: Served, shots: int) -> Iterator[Number]:
+    """Compare fire requests with and without pages that follow the rig ten times a second.
+
+    Five pages without a browser show what the daemon does for them. Five in browsers add what these
+    draw on the same processors, as on a computer that is rig and desk in one.
+    """
     daemon.fire()
-    alone, watched, shown = Fired(), Fired(), []
+    alone, followed, watched, shown = Fired(), Fired(), Fired(), []
     for _ in range(ROUNDS):
         alone.fire(daemon, shots // ROUNDS)
-        pages = [opened(browser, daemon.url, [])[0] for _ in range(BROWSERS)]
+        with followers(daemon.url, PAGES):
+            settle(daemon)
+            followed.fire(daemon, shots // ROUNDS)
+        pages = [opened(browser, daemon.url, [])[0] for _ in range(PAGES)]
         settle(daemon)
         watched.fire(daemon, shots // ROUNDS)
         shown += [latency(page, daemon) for page in pages]
         for page in pages:
             page.context.close()
         settle(daemon)
-    extra = statistics.median(watched.took) - statistics.median(alone.took)
-    off = sigma_of_difference(watched.took, alone.took)
-    spent = watched.daemon_s / len(watched.took) - alone.daemon_s / len(alone.took)
-    return [
-        Number(
-            f"fire request alone, median of {len(alone.took)}",
-            1e3 * statistics.median(alone.took),
-            "ms",
-        ),
-        Number("fire request alone, longest", 1e3 * max(alone.took), "ms"),
-        Number(
-            f"fire request with {BROWSERS} browsers, median of {len(watched.took)}",
-            1e3 * statistics.median(watched.took),
-            "ms",
-        ),
-        Number(f"fire request with {BROWSERS} browsers, longest", 1e3 * max(watched.took), "ms"),
-        Number("delay of a fire request by browsers, medians", 1e3 * extra, "ms", 10.0),
-        Number("  its standard error", 1e3 * off, "ms"),
-        *(
-            Number(f"  spread {whose}: middle half of the requests", 1e3 * middle_half(took), "ms")
-            for whose, took in (("alone", alone.took), ("with them", watched.took))
-        ),
-        Number("  CPU time of the daemon that they add to a shot", 1e3 * spent, "ms"),
-        Number("state shown after it changed, median", 1e3 * statistics.median(shown), "ms", 200.0),
-    ]
+    yield from fire_numbers("alone", alone)
+    for whose, fired, asked in (
+        (f"with {PAGES} pages", followed, 10.0),
+        (f"with {PAGES} browsers on this host", watched, None),
+    ):
+        yield from fire_numbers(whose, fired)
+        added = statistics.median(fired.took) - statistics.median(alone.took)
+        yield Number("  added to the request, medians", 1e3 * added, "ms", asked)
+        off = sigma_of_difference(fired.took, alone.took)
+        yield Number("    its standard error", 1e3 * off, "ms")
+        spent = fired.daemon_s / len(fired.took) - alone.daemon_s / len(alone.took)
+        yield Number("  added to the daemon's CPU time of a whole shot", 1e3 * spent, "ms")
+    yield Number(
+        "state shown after it changed, median", 1e3 * statistics.median(shown), "ms", 200.0
+    )
+
+
+def fire_numbers(whose: str, fired: Fired) -> Iterator[Number]:
+    """Return how long fire requests took, and what of it the daemon ran and waited."""
+    took, name = fired.took, f"fire request {whose}"
+    yield Number(f"{name}, median of {len(took)}", 1e3 * statistics.median(took), "ms")
+    yield Number("  longest", 1e3 * max(took), "ms")
+    yield Number("  distance between its quartiles", 1e3 * middle_half(took), "ms")
+    ran, waited = (
+        statistics.median(getattr(one, what) for one in fired.requests)
+        for what in ("ran_s", "waited_s")
+    )
+    yield Number("  threads of the daemon ran within it, median", 1e3 * ran, "ms")
+    yield Number("  and waited for a processor, median", 1e3 * waited, "ms")
 
 
 def sigma_of_difference(one: Sequence[float], other: Sequence[float]) -> float:

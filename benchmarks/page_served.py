@@ -17,6 +17,8 @@ from typing import Any
 import httpx
 from playwright.sync_api import Browser, Page, sync_playwright
 
+from benchmarks.cpu_seconds import ran_and_waited
+
 KEY = "a-key-for-the-benchmark"
 RIGCTL = Path(sys.executable).with_name("rigctl")
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
@@ -34,6 +36,18 @@ LONG_S = 300.0
 
 
 @dataclass(frozen=True, slots=True)
+class FireRequest:
+    """How long a fire request took until its answer, s.
+
+    And, of the daemon's threads meanwhile, how long they ran and waited for a processor, s.
+    """
+
+    took_s: float
+    ran_s: float
+    waited_s: float
+
+
+@dataclass(frozen=True, slots=True)
 class Served:
     """A daemon: its address, and its REST."""
 
@@ -41,22 +55,23 @@ class Served:
     rest: httpx.Client
     pid: int
 
-    def fire(self) -> float:
-        """Fire one shot, wait for its end, and return how long the fire request took, s."""
+    def fire(self) -> FireRequest:
+        """Fire one shot, wait for its end, and return how long the fire request took."""
         token = self.rest.post("/api/v1/rig/arm", json=SETTINGS).raise_for_status().json()
         body = {"arm_token": token["arm_token"]}
+        headers = {"Idempotency-Key": uuid.uuid4().hex}
+        ran, waited = ran_and_waited(self.pid)
         began = time.perf_counter()
-        fired = self.rest.post(
-            "/api/v1/shots", json=body, headers={"Idempotency-Key": uuid.uuid4().hex}
-        )
+        fired = self.rest.post("/api/v1/shots", json=body, headers=headers)
         took = time.perf_counter() - began
+        after = ran_and_waited(self.pid)
         fired.raise_for_status()
         until = time.monotonic() + LONG_S
         while (rig := self.rest.get("/api/v1/rig").json())["state"] != "idle":
             if rig["latch_reason"] is not None or time.monotonic() > until:
                 raise RuntimeError(f"the rig is {rig['state']}: {rig['latch_reason']}")
             time.sleep(0.05)
-        return took
+        return FireRequest(took, after[0] - ran, after[1] - waited)
 
     def job(self) -> dict[str, Any]:
         """Return the job that was submitted last."""

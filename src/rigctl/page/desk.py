@@ -15,7 +15,7 @@ from rigctl.daemon import Daemon
 from rigctl.errors import RigError
 from rigctl.model import FUNCTIONS
 from rigctl.page.feed import Feed
-from rigctl.page.parts.presence import is_late
+from rigctl.page.parts.presence import is_late, resting
 from rigctl.page.parts.readings import Readings
 from rigctl.page.shots.films import Films
 from rigctl.rig.states import RigState
@@ -77,7 +77,7 @@ class Desk:
         """
         client = context.client
         async with self.pencil:
-            while self._fire_is_near():
+            while resting() or self._fire_is_near():
                 await asyncio.sleep(REST_S)
             if not client.is_deleted:
                 part()

@@ -12,6 +12,7 @@ import pytest
 from rigctl.page import desk as module
 from rigctl.page.desk import Desk
 from rigctl.page.feed import Feed
+from rigctl.page.parts import presence
 from rigctl.rig.states import RigState
 
 PAST = timedelta(minutes=1)
@@ -49,6 +50,16 @@ def test_a_rig_that_stays_armed_holds_no_page_up(
     drawn: list[str] = []
     asyncio.run(a_desk(monkeypatch, [(state, PAST)]).draw(lambda: drawn.append("film")))
     assert drawn == ["film"]
+
+
+def test_nothing_is_drawn_between_a_fire_request_and_its_answer(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    under_way, left_when_drawn = [True, True, False], list[int]()
+    monkeypatch.setattr(presence, "_rests", [lambda: under_way.pop(0)])
+    desk = a_desk(monkeypatch, [(RigState.ARMED, PAST)])
+    asyncio.run(desk.draw(lambda: left_when_drawn.append(len(under_way))))
+    assert left_when_drawn == [0]
 
 
 def test_what_all_pages_ask_of_the_store_is_read_once_after_each_change() -> None:

@@ -38,6 +38,11 @@ def rest_while(*fires: Callable[[], bool]) -> None:
     _rests[:] = fires
 
 
+def resting() -> bool:
+    """Say whether all pages rest: a fire request has come in that is not answered yet."""
+    return any(fires() for fires in _rests)
+
+
 def every(period_s: float, look: Callable[[], Awaitable[None] | None]) -> None:
     """Call `look` again and again; while the page has no connection nobody looks.
 
@@ -48,7 +53,7 @@ def every(period_s: float, look: Callable[[], Awaitable[None] | None]) -> None:
 
     async def go() -> None:
         timer.interval = period_s if client.has_socket_connection else UNSEEN_S
-        if not client.has_socket_connection or any(fires() for fires in _rests):
+        if not client.has_socket_connection or resting():
             return
         if (waits := look()) is not None:
             await waits
