@@ -169,12 +169,14 @@ class FlightEffect(Effect):
     """Adds an acceleration (m/s^2) and an angular acceleration (rad/s^2), shapes (..., 3).
 
     `nodes` is the number of instants of a flight at which it is evaluated: two suffice for a force
-    that changes little on the way, one that falls off steeply needs more.
+    that changes little on the way, one that falls off steeply needs more. `proportional`: both
+    accelerations are proportional to the one parameter, so that one evaluation serves all values.
     """
 
     stage: ClassVar[str] = "flight"
     accelerate: Callable[[Flying, Values], tuple[Floats, Floats]]
     nodes: int = 2
+    proportional: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -65,13 +65,19 @@ def compare(
     covariance
         Of the measurement, traced back by a theory near this one; None: by this one.
     """
-    residual = residual_at_mouths(theory, settings, touches)
-    vector, columns = theory.vector, []
+    ground, vector, columns = touches.ground, theory.vector, []
+    launched = theory.launch(settings, ground)
+    traced = traced_back(touches.rows, theory.law, ground).row
+    residual = np.asarray(traced - launched.row)
     for k, step in enumerate(theory.steps):
         shifted = vector.copy()
         shifted[k] += step
-        moved = residual_at_mouths(theory.at(shifted), settings, touches)
-        columns.append((residual - moved) / step)
+        moved = theory.at(shifted)
+        if moved.law.tubes == theory.law.tubes:
+            changed = traced - moved.launch(settings, ground).row
+        else:
+            changed = residual_at_mouths(moved, settings, touches)
+        columns.append((residual - changed) / step)
     if covariance is None:
         back = _back(theory, touches)
         covariance = back @ touches.covariance @ np.swapaxes(back, 1, 2)
@@ -79,7 +85,7 @@ def compare(
         residual=residual,
         covariance=covariance,
         derivative=np.stack(columns, axis=-1),
-        speed=theory.launch(settings, touches.ground).speed,
+        speed=launched.speed,
     )
 
 
@@ -92,9 +98,8 @@ def residual_at_mouths(theory: LaunchTheory, settings: LaunchSettings, touches: 
 
 def _back(theory: LaunchTheory, touches: Touches) -> Floats:
     """Return the derivative of the muzzle by the touch that it is traced from, (S, 17, 17)."""
-    here, columns = traced_back(touches.rows, theory.law, touches.ground).row, []
-    for k, step in enumerate(_TOUCH_STEP):
-        moved = touches.rows.copy()
-        moved[:, k] += step
-        columns.append((traced_back(moved, theory.law, touches.ground).row - here) / step)
-    return np.stack(columns, axis=-1)
+    rows, steps = touches.rows, np.append(0.0, _TOUCH_STEP)
+    moved = rows + np.diag(steps)[:, None, 1:]
+    traced = traced_back(moved.reshape(-1, rows.shape[1]), theory.law, touches.ground).row
+    here, *others = traced.reshape(moved.shape)
+    return np.moveaxis((np.array(others) - here) / _TOUCH_STEP[:, None, None], 0, -1)

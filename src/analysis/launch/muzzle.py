@@ -57,6 +57,11 @@ class LaunchLaw:
         """All numbers, shape (13,)."""
         return np.array(astuple(self))
 
+    @property
+    def tubes(self) -> tuple[float, float, float]:
+        """All that tracing a touch back to the mouths depends on."""
+        return self.mouth, self.push, self.middle
+
 
 LAW_NAMES = tuple(field.name for field in fields(LaunchLaw))
 LAW_UNITS = ("m2/s2/kPa",) * 2 + ("rad",) * 4 + ("m",) * 7

@@ -34,4 +34,5 @@ EFFECT = FlightEffect(
     gives_away="tracks bend against their own velocity, evenly in v; seen in long tracks only",
     confused_with=("wind", "magnus-lift"),
     accelerate=accelerate,
+    proportional=True,
 )

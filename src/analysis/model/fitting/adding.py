@@ -138,7 +138,7 @@ def _may_be_better(data: CampaignData, theory: Theory, best: Fit) -> bool:
     chosen[np.linspace(0, count - 1, RIVAL_SHOTS).round().astype(np.intp)] = True
     begun = replace(best, parts=states_of_shots(data, best, chosen))
     present = float(best.shot_chi2[chosen].sum()) + prior_cost(best.theory) + ALIAS_WITHIN
-    purpose = Purpose(beat=present, trusted=TRUSTED_NEAR)
+    purpose = Purpose(beat=present, enough=present, trusted=TRUSTED_NEAR)
     other = fit_campaign(data.of_shots(chosen), theory, begun, purpose)
     return float(other.shot_chi2.sum()) + prior_cost(other.theory) < present
 

@@ -136,6 +136,8 @@ class Purpose:
     ----------
     beat
         Cost of another fit: once this one is not expected to come below it, it is left.
+    enough
+        Cost below which it is known all that is asked: the fit is left there.
     roughly
         Whether it is enough to see how far it comes down: steps that bring less than a hundredth
         of what all have brought are the last then.
@@ -144,6 +146,7 @@ class Purpose:
     """
 
     beat: float = np.inf
+    enough: float = -np.inf
     roughly: bool = False
     trusted: float = TRUSTED
 
@@ -170,6 +173,8 @@ def descended(
     begun, before = place.cost, np.inf
     for _ in range(JOINT_ITERATIONS):
         if place.cost - purpose.trusted * place.reach() > purpose.beat:
+            return place, False
+        if place.cost < purpose.enough:
             return place, False
         lower = _searched(data, place)
         fall = place.cost - lower.cost

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from analysis.arrays import Floats
 from analysis.collision.operator import Encounter, Operator, Outcome, States, inverse_masses
+from analysis.effects.effect import ContactEffect
 from analysis.model.data.poses import Observations, PoseData
 from analysis.model.predict.state import ShotStates
 from analysis.model.predict.theory import Theory
@@ -86,35 +87,16 @@ def _outcome(data: Observations, states: ShotStates, theory: Theory, operator: O
 
 
 def differentiated_contact(data: Observations, states: ShotStates, theory: Theory) -> Contact:
-    """Differentiate the operator by forward differences, all of them in one call of it.
-
-    A law that is integrated depends on the relative velocity alone: by the velocity of a it is
-    differentiated as by that of b.
-    """
-    lasts = theory.contact_law is not None
-    shots, spared = len(states.time_s), 3 if lasts else 0
-    motions = np.repeat(_motion(states)[None], 15 - spared, axis=0)
-    normals = np.repeat(states.normal[None], 15 - spared, axis=0)
-    for k, tangent in enumerate(states.tangents()):
-        tilted = states.normal + _TILT_STEP * tangent
-        normals[1 + k] = tilted / np.linalg.norm(tilted, axis=1, keepdims=True)
-    for k in range(spared, 12):
-        motions[3 + k - spared, :, k] += _STEPS[2 + k]
-    encounter = _encounter(data, theory, states, motions.reshape(-1, 12), normals.reshape(-1, 3))
-    outcomes = _row(data, theory.operator_of_slopes(encounter))
-    outcomes = outcomes.reshape(15 - spared, shots, -1)
-    unkicked = outcomes[0].copy()
-    for k in range(3):
-        outcomes[k] = _kicked(data, states, outcomes[k], theory.leaning(normals[k]))
-    # A kick is across the normal: velocities and spins change nothing of it, a tilt does.
-    outcomes[3:] += outcomes[0] - unkicked
-    steps = np.delete(_STEPS, _VELOCITY_A) if lasts else _STEPS
-    by_state = (outcomes[1:] - outcomes[0]) / steps[:, None, None]
-    if lasts:
-        by_first = _by_common_velocity(outcomes[0]) - by_state[_VELOCITY_A]
-        by_state = np.concatenate([by_state[: _VELOCITY_A.start], by_first, by_state[2:]])
-    derivative = np.moveaxis(by_state, 0, 2)
+    """Differentiate the outcome of every contact by tilt, velocities and spins."""
+    slopes_of = _by_symmetry if _turns_with_all(data, theory) else _by_differences
+    outcome, by_tilt, by_motion = slopes_of(data, states, theory)
+    about = _kicked(data, states, outcome, theory.leaning(states.normal))
+    derivative = np.moveaxis(np.concatenate([by_tilt, by_motion]), 0, 2)
     if states.kick is not None:
+        # A kick is across the normal: velocities and spins change nothing of it, a tilt does.
+        for k, normal in enumerate(_tilted(states)):
+            leaning = theory.leaning(normal)
+            derivative[..., k] += (_kicked(data, states, outcome, leaning) - about) / _TILT_STEP
         rows, unknown = states.kick.shots, states.kick.unknown
         normal = states.normal[rows]
         # Of a step's kick only what lies across the normal is taken (`Kick.taken`).
@@ -123,8 +105,109 @@ def differentiated_contact(data: Observations, states: ShotStates, theory: Theor
         for k in range(3):
             derivative[rows, :, _FIRST_SPIN + 3 * states.kick.sphere + k] = kicks[..., k]
     # Without a law that is integrated both are the same.
-    about = outcomes[0]
+    lasts = theory.contact_law is not None
     return Contact(contact_outcome(data, states, theory) if lasts else about, derivative, about)
+
+
+def _tilted(states: ShotStates) -> list[Floats]:
+    """Return normals a step along either tangent, shape (S, 3)."""
+    moved = (states.normal + _TILT_STEP * tangent for tangent in states.tangents())
+    return [normal / np.linalg.norm(normal, axis=1, keepdims=True) for normal in moved]
+
+
+Slopes = tuple[Floats, Floats, Floats]
+"""Outcomes, shape (S, 25), and their derivatives by two tilts, (2, S, 25), and by the velocities
+and spins of a and b, (12, S, 25); kicks are in none of them."""
+
+
+def _by_differences(data: Observations, states: ShotStates, theory: Theory) -> Slopes:
+    """Differentiate by forward differences, all of them in one call of the operator.
+
+    A law that is integrated depends on the relative velocity alone: by the velocity of a it is
+    differentiated as by that of b.
+    """
+    lasts = theory.contact_law is not None
+    shots, spared = len(states.time_s), 3 if lasts else 0
+    motions = np.repeat(_motion(states)[None], 15 - spared, axis=0)
+    normals = np.repeat(states.normal[None], 15 - spared, axis=0)
+    normals[1:3] = _tilted(states)
+    for k in range(spared, 12):
+        motions[3 + k - spared, :, k] += _STEPS[2 + k]
+    outcomes = _outcomes(data, states, theory, motions, normals).reshape(15 - spared, shots, -1)
+    steps = np.delete(_STEPS, _VELOCITY_A) if lasts else _STEPS
+    changes = (outcomes[1:] - outcomes[0]) / steps[:, None, None]
+    by_motion = changes[2:]
+    if lasts:
+        by_first = _by_common_velocity(outcomes[0]) - by_motion[:3]
+        by_motion = np.concatenate([by_first, by_motion])
+    return outcomes[0], changes[:2], by_motion
+
+
+def _turns_with_all(data: Observations, theory: Theory) -> bool:
+    """Whether a contact that lasts depends on nothing but how both spheres meet.
+
+    Then its outcome turns with all that goes in. Beside a plate gravity has a direction, and an
+    effect of the contact may ask for one, or for the spin of one sphere.
+    """
+    if theory.contact_law is None or data.bodies[1].is_plate:
+        return False
+    return not any(isinstance(active.effect, ContactEffect) for active in theory.parts)
+
+
+def _by_symmetry(data: Observations, states: ShotStates, theory: Theory) -> Slopes:
+    """Differentiate by the relative velocity and the spin of a, and derive the others from these.
+
+    The spheres' surfaces slip by r_a w_a + r_b w_b together: but for its own spin, b's does what
+    a's does times r_b / r_a. (Levers are shorter by the overlap, a thousandth, which is neglected:
+    slopes need not be better.) A tilt of the normal is a turn of everything, and all that moves
+    turned back.
+    """
+    shots, motion = len(states.time_s), _motion(states)
+    motions = np.repeat(motion[None], 7, axis=0)
+    for k in range(6):
+        motions[1 + k, :, 3 + k] += _STEPS[_VELOCITY_A.stop + k]
+    normals = np.repeat(states.normal[None], 7, axis=0)
+    outcomes = _outcomes(data, states, theory, motions, normals).reshape(7, shots, -1)
+    steps = _STEPS[_VELOCITY_A.stop :][:6, None, None]
+    here, changes = outcomes[0], (outcomes[1:] - outcomes[0]) / steps
+    by_second, by_spin = changes[:3], changes[3:]
+    kept_a, kept_b = (_by_kept_spin(here, sphere) for sphere in (0, 1))
+    a, b = data.bodies
+    by_other = b.radius / a.radius * (by_spin - kept_a) + kept_b
+    by_first = _by_common_velocity(here) - by_second
+    by_motion = np.concatenate([by_first, by_second, by_spin, by_other])
+    turns = [np.cross(states.normal, tangent) for tangent in states.tangents()]
+    by_tilt = [
+        _turned(here, turn) - np.einsum("sk,ksn->sn", _turned(motion, turn), by_motion)
+        for turn in turns
+    ]
+    return here, np.array(by_tilt), by_motion
+
+
+def _outcomes(
+    data: Observations, states: ShotStates, theory: Theory, motions: Floats, normals: Floats
+) -> Floats:
+    """Return outcomes of motions (N, S, 12) and normals (N, S, 3), shape (N S, 25)."""
+    encounter = _encounter(data, theory, states, motions.reshape(-1, 12), normals.reshape(-1, 3))
+    return _row(data, theory.operator_of_slopes(encounter))
+
+
+def _turned(numbers: Floats, turn: Floats) -> Floats:
+    """Return the change of vectors (S, 12) or outcomes (S, 25) for a unit of a turn (S, 3)."""
+    change = np.zeros_like(numbers)
+    scalar = DURATION.start
+    for start in [*range(0, scalar, 3), *range(DURATION.stop, numbers.shape[1], 3)]:
+        change[:, start : start + 3] = np.cross(turn, numbers[:, start : start + 3])
+    return change
+
+
+def _by_kept_spin(outcome: Floats, sphere: int) -> Floats:
+    """Differentiate outcomes (S, 25) by a spin that no contact changes, shape (3, S, 25)."""
+    change = np.zeros((3, *outcome.shape))
+    for axis in range(3):
+        change[axis, :, 6 + 3 * sphere + axis] = 1.0
+        change[axis, :, TURN.start + 3 * sphere + axis] = outcome[:, DURATION.start]
+    return change
 
 
 def _by_common_velocity(outcome: Floats) -> Floats:

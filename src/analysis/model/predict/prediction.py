@@ -192,6 +192,7 @@ class OnWay:
     def __init__(self, data: PoseData, flown: Flown, flight: Forces) -> None:
         self.data, self.flown = data, flown
         self._passages: dict[int, list[Passage]] = {}
+        self._units: dict[str, Change] = {}
         # Every step of another effect starts from what these do.
         self._own = {_key(*force): self._change(*force) for force in flight}
 
@@ -207,7 +208,16 @@ class OnWay:
         return push, twist
 
     def _change(self, effect: FlightEffect, values: Values) -> Change:
-        """Return what an effect adds.
+        """Return what an effect adds; one that bends the path is proportional to nothing."""
+        if not effect.proportional or self.data.on_plate:
+            return self._integrated(effect, values)
+        if effect.name not in self._units:
+            self._units[effect.name] = self._integrated(effect, np.ones(1))
+        push, twist = self._units[effect.name]
+        return values[0] * push, None if twist is None else values[0] * twist
+
+    def _integrated(self, effect: FlightEffect, values: Values) -> Change:
+        """Integrate what an effect adds.
 
         Double integrals of the acceleration, int_0^t (t - s) a(s) ds: along the unperturbed path
         and, where flights last long, along the one that the effect itself bends.

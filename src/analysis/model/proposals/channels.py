@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,20 +59,26 @@ class Linearised:
     def summed(self, columns: Sequence[tuple[int, Floats]]) -> Sums:
         """Return M and g of columns, each a channel and its weights (S,)."""
         where = np.array([channel for channel, _ in columns], dtype=np.intp)
-        weight = np.stack([own for _, own in columns], axis=1)
+        # Columns of one channel side by side, so that each pair of channels is one block.
+        order = np.argsort(where, kind="stable")
+        weight = np.stack([columns[k][1] for k in order], axis=1)
         count, by = len(columns), self.by_shot
         gradient, raw = np.zeros(count), np.zeros(count)
         against = np.zeros((count, len(self.covariance)))
         matrix = np.zeros((count, count))
-        places = {int(c): np.flatnonzero(where == c) for c in np.unique(where)}
-        for c, rows in places.items():
+        channels, starts = np.unique(where[order], return_index=True)
+        spans = [slice(*span) for span in pairwise([*starts.tolist(), count])]
+        for k, (c, rows) in enumerate(zip(channels, spans, strict=True)):
             own = weight[:, rows]
             gradient[rows] = own.T @ by.gradient[:, c]
             raw[rows] = (own**2).T @ by.raw[:, c]
             against[rows] = own.T @ by.against[:, c]
-            for d, others in places.items():
+            for d, others in zip(channels[k:], spans[k:], strict=True):
                 product = (own * by.own[:, c, d, None]).T @ weight[:, others]
-                matrix[np.ix_(rows, others)] = product
+                matrix[rows, others], matrix[others, rows] = product, product.T
+        back = np.argsort(order)
+        matrix, against = matrix[np.ix_(back, back)], against[back]
+        gradient, raw = gradient[back], raw[back]
         imitated = against @ self.covariance
         return Sums(matrix - imitated @ against.T, gradient - imitated @ self.left, raw)
 

@@ -21,6 +21,7 @@ from analysis.model.data.stream import whole
 from analysis.model.data.tables import ContactTable, Data
 from analysis.model.fitting.adding import ALIAS_WITHIN
 from analysis.model.fitting.fit import fit_campaign
+from analysis.model.fitting.gauss_newton import Purpose
 from analysis.model.fitting.normal import prior_cost
 from analysis.model.fitting.robust_fit import RobustFit, robust_fit
 from analysis.model.predict.contact import encounter_of
@@ -48,6 +49,9 @@ MOST_STEPS, MOST_TRIED = 6, 3
 PREFERRED = 2.0
 """Deviance by which a form must be better than every effect of the catalogue."""
 DROP_LEVEL = 0.0005
+MOSTLY = 0.8
+"""Share of what is unexplained that a law of contact takes by itself and no form is asked beside:
+what forms bring meanwhile is mostly its own. An idle one is dropped again after the next step."""
 NAME = "proposal"
 
 
@@ -169,6 +173,10 @@ def _begin(base: RobustFit, catalogue: Sequence[Effect]) -> _State:
 
 def _step(state: _State) -> _State | None:
     """Take in the best form, or an effect of the catalogue that does as well; None: neither."""
+    ranking = rank(state.data, state.last.fit, state.catalogue)
+    with_law = _with_law(state, ranking)
+    if with_law is not None:
+        return with_law
     channels = channels_of(state.data, state.last.fit)
     arguments = state.admitted(channels.encounter).arguments
     forms: list[Form] = [*contact_forms(channels, arguments)]
@@ -182,7 +190,7 @@ def _step(state: _State) -> _State | None:
     scored_forms = score_groups(channels, screen, forms) if passing else []
     name = f"{NAME}-{len(state.accepted) + 1}"
     gate = Gate(state.data, state.last, screen, name, _least_drop(state))
-    rivals, known = _competed(state, gate, channels, scored_forms, forms)
+    rivals, known = _competed(state, ranking, gate, channels, (scored_forms, forms))
     if known.first is not None and (not rivals or known.worth > rivals[0].worth - PREFERRED):
         leader, stage = known.first
         return _moved(state, stage, whole(leader.data))
@@ -200,6 +208,22 @@ def _step(state: _State) -> _State | None:
             )
             return replace(following, accepted=(*state.accepted, accepted))
     return None
+
+
+def _with_law(state: _State, ranking: Ranking) -> _State | None:
+    """Take in a law of contact that comes first and explains most by itself; None: there is none.
+
+    How much is unexplained is chi-squared beyond the degrees of freedom, by the errors as stated.
+    """
+    fit = state.last.fit
+    first = next(iter(ranking.candidates), None)
+    if first is None or first.law is None or not first.seen:
+        return None
+    known = _known(state, ranking, least=first.delta_chi2).first
+    if known is None or known[0].delta_chi2 < MOSTLY * (fit.chi2 - fit.freedom):
+        return None
+    leader, stage = known
+    return _moved(state, stage, whole(leader.data))
 
 
 def _least_drop(state: _State) -> float:
@@ -234,38 +258,49 @@ class _Known:
 
 def _competed(
     state: _State,
+    ranking: Ranking,
     gate: Gate,
     channels: Channels,
-    scored_forms: Sequence[ScoredForm],
-    forms: Sequence[Form],
+    asked: tuple[Sequence[ScoredForm], Sequence[Form]],
 ) -> tuple[list[Rival], _Known]:
     """Return forms and effects of the catalogue, refitted where they may come first or alike.
 
     Those of a larger expected drop are refitted first: few of the others are worth it then.
+
+    Parameters
+    ----------
+    asked
+        The likeliest forms by their scores, and all forms.
     """
-    ranking = rank(state.data, state.last.fit, state.catalogue)
+    scored_forms, forms = asked
     fitted = state.data, state.last.fit, gate.name
     helpful = any(gate.may_help(scored) for scored in scored_forms)
     offered = max((c.delta_chi2 for c in ranking.candidates if c.seen), default=0.0)
     if not scored_forms or scored_forms[0].worth < offered:
-        known = _known(state, ranking, scored_forms[0] if scored_forms else None)
+        known = _beside(state, ranking, scored_forms[0] if scored_forms else None)
         if helpful:
             return rivals_of(fitted, channels, scored_forms, forms, known.worth), known
         return [*scored_forms], known
     rivals: list[Rival] = [*scored_forms]
     if helpful:
         rivals = rivals_of(fitted, channels, scored_forms, forms)
-    return rivals, _known(state, ranking, rivals[0])
+    return rivals, _beside(state, ranking, rivals[0])
 
 
-def _known(state: _State, ranking: Ranking, beside: Rival | None) -> _Known:
+def _beside(state: _State, ranking: Ranking, form: Rival | None) -> _Known:
     """Refit effects of the catalogue that may come near a form, and find the first that helps."""
     fit = state.last.fit
-    least = max(least_beside(beside.worth), 0.0) if beside else 0.0
+    least = max(least_beside(form.worth), 0.0) if form else 0.0
     beat = np.inf
-    if isinstance(beside, Refitted):
-        noise = beside.fit.chi2_per_dof
-        beat = fit.chi2 + prior_cost(fit.theory) - noise * (beside.worth - ALIAS_WITHIN)
+    if isinstance(form, Refitted):
+        noise = form.fit.chi2_per_dof
+        beat = fit.chi2 + prior_cost(fit.theory) - noise * (form.worth - ALIAS_WITHIN)
+    return _known(state, ranking, least=least, beat=beat)
+
+
+def _known(state: _State, ranking: Ranking, *, least: float, beat: float = np.inf) -> _Known:
+    """Refit effects of the catalogue whose expected drop is large enough; the first that helps."""
+    fit = state.last.fit
     leaders = refitted_leaders(state.data, fit, ranking, state.level, least=least, beat=beat)
     trusted = [x for x in in_order(leaders) if x.plausible and not x.carried]
     for leader in trusted[:MOST_TRIED]:
@@ -293,7 +328,13 @@ def _without_idle(state: _State) -> _State:
         losses = {}
         for active in fit.theory.active[:-1]:
             if active.effect.name not in state.given:
-                rest = fit_campaign(state.data, fit.theory.without_effect(active.effect.name), fit)
+                least = float(chi_squared.limit(DROP_LEVEL, len(active.values))) * noise
+                rest = fit_campaign(
+                    state.data,
+                    fit.theory.without_effect(active.effect.name),
+                    fit,
+                    Purpose(beat=fit.chi2 + prior_cost(fit.theory) + least),
+                )
                 chance = chi_squared.chance_of_more(
                     (rest.chi2 - fit.chi2) / noise, len(active.values)
                 )

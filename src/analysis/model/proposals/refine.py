@@ -6,12 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analysis.arrays import Floats
 from analysis.model.data.tables import Data
 from analysis.model.fitting.fit import Fit, fit_campaign
+from analysis.model.fitting.gauss_newton import TO_THE_END, Purpose
 from analysis.model.proposals.arguments import Argument
-from analysis.model.proposals.channels import Channels, Form
+from analysis.model.proposals.channels import Channels, Form, Sums
 from analysis.model.proposals.forms.flight import FlightForm
 from analysis.model.proposals.forms.form import OF_A_PRODUCT, ContactForm
 from analysis.model.proposals.forms.impulses import IMPULSES
@@ -156,33 +158,56 @@ def _score(channels: Channels, forms: Sequence[Form]) -> list[ScoredForm]:
     columns = columns_of(forms)
     weights = [channels.weights(form, number) for form, number in columns]
     sums = channels.summed(weights)
-    seen, places = sums.seen, np.arange(len(columns))
-    noise, start, found = channels.noise_scale**2, 0, []
-    for form in forms:
-        own = places[start : start + len(form.symbols)]
-        start += len(form.symbols)
-        if not seen[own].all():
-            continue
-        block = sums.of(own)
-        amplitudes = np.linalg.lstsq(block.matrix, block.gradient, rcond=1e-10)[0]
-        delta_chi2 = float(block.gradient @ amplitudes)
-        by_shot = np.stack(
-            [weights[k][1] * channels.by_shot.gradient[:, weights[k][0]] for k in own], axis=1
-        )
-        loudest = np.argsort(by_shot @ amplitudes)[-CARRIERS:]
-        rest = block.gradient - by_shot[loudest].sum(axis=0)
-        left = float(rest @ np.linalg.lstsq(block.matrix, rest, rcond=1e-10)[0])
-        share = 1.0 - left / delta_chi2 if delta_chi2 > 0 else 1.0
-        found.append(
-            ScoredForm(form, delta_chi2 / noise, np.asarray(amplitudes, np.float64), share)
-        )
-    return found
+    pulls = np.stack([w * channels.by_shot.gradient[:, c] for c, w in weights], axis=1)
+    starts = np.cumsum([0, *(len(form.symbols) for form in forms)])[:-1]
+    found: dict[int, ScoredForm] = {}
+    for size in {len(form.symbols) for form in forms}:
+        alike = [k for k, form in enumerate(forms) if len(form.symbols) == size]
+        own = starts[alike, None] + np.arange(size)
+        kept = np.flatnonzero(sums.seen[own].all(axis=1))
+        solved = _solved(sums, pulls, own[kept])
+        for k, amplitudes, delta_chi2, share in zip(np.array(alike)[kept], *solved, strict=True):
+            worth = float(delta_chi2) / channels.noise_scale**2
+            found[int(k)] = ScoredForm(forms[k], worth, amplitudes, float(share))
+    return [found[k] for k in sorted(found)]
 
 
-def refitted(data: Data, fit: Fit, scored: ScoredForm, name: str) -> Refitted:
+def _solved(sums: Sums, pulls: Floats, own: NDArray[np.intp]) -> tuple[Floats, Floats, Floats]:
+    """Solve for the amplitudes of forms of one size.
+
+    Parameters
+    ----------
+    pulls
+        Every shot's part of the gradient, shape (S, K).
+    own
+        Columns of each form, shape (N, size).
+
+    Returns
+    -------
+    Amplitudes, shape (N, size); the fall of chi-squared that they bring, and which share of it the
+    shots bring that carry most of it, both of shape (N,).
+    """
+    gradient = sums.gradient[own]
+    inverses = np.linalg.pinv(
+        sums.matrix[own[:, :, None], own[:, None, :]], rcond=1e-10, hermitian=True
+    )
+    amplitudes = (inverses @ gradient[..., None])[..., 0]
+    delta_chi2 = (gradient * amplitudes).sum(axis=1)
+    by_shot = pulls[:, own]
+    brought = (by_shot * amplitudes).sum(axis=2)
+    carriers = np.argsort(brought, axis=0)[-CARRIERS:]
+    rest = gradient - np.take_along_axis(by_shot, carriers[..., None], axis=0).sum(axis=0)
+    left = (rest[:, None] @ inverses @ rest[..., None])[:, 0, 0]
+    share = 1.0 - np.divide(left, delta_chi2, out=np.zeros_like(left), where=delta_chi2 > 0)
+    return amplitudes, delta_chi2, share
+
+
+def refitted(
+    data: Data, fit: Fit, scored: ScoredForm, name: str, purpose: Purpose = TO_THE_END
+) -> Refitted:
     """Fit again with a form, its constants held."""
     theory = fit.theory.with_effect(scored.form.effect(name))
-    again = fit_campaign(data, theory, fit)
+    again = fit_campaign(data, theory, fit, purpose)
     noise = max(again.chi2_per_dof, 1e-12)
     return Refitted(scored, name, again, (fit.chi2 - again.chi2) / noise)
 
@@ -206,7 +231,8 @@ def with_free_constants(data: Data, found: Refitted) -> tuple[Refitted, Fit]:
     # The same form, with what a fit determines of it: its type stays.
     moved = form.at(*constants)
     effect = moved.effect(found.name)
-    theory = theory.with_effect(effect, values[: len(form.symbols)])
+    rest = freed.theory.without_effect(found.name)
+    theory = rest.with_effect(effect, values[: len(form.symbols)])
     again = fit_campaign(data, theory, freed)
     if not np.isfinite(values).all() or again.chi2 > found.fit.chi2 + 1e-6:
         return found, found.fit

@@ -11,6 +11,8 @@ from analysis.model.data.evidence import Stage, stage_of
 from analysis.model.data.tables import Data
 from analysis.model.fitting.adding import ALIAS_WITHIN
 from analysis.model.fitting.fit import Fit
+from analysis.model.fitting.gauss_newton import Purpose
+from analysis.model.fitting.normal import prior_cost
 from analysis.model.proposals.admissible import LEAST_SIGMAS
 from analysis.model.proposals.blocks import blocks_of
 from analysis.model.proposals.channels import Channels, Form
@@ -30,7 +32,7 @@ from analysis.model.proposals.refine import (
 )
 from analysis.model.proposals.screen import Screen
 from analysis.model.rank.candidate import believed
-from analysis.model.rank.leaders import SMALL_FALL
+from analysis.model.rank.leaders import SMALL_FALL, WITHIN
 from analysis.model.structure.influence import most_carried
 from analysis.model.verdict.crossvalidation import (
     folds_by_chance,
@@ -124,7 +126,10 @@ def _scored(one: Rival) -> ScoredForm:
 
 
 def _refitted(data: Data, fit: Fit, one: Rival, name: str) -> Refitted:
-    return one if isinstance(one, Refitted) else refitted(data, fit, one, name)
+    """Return a form fitted to the end: refits of some were left when others were likelier."""
+    if isinstance(one, Refitted) and one.fit.converged:
+        return one
+    return refitted(data, fit, _scored(one), name)
 
 
 def _nearly_the_same(first: Form, second: Form) -> bool:
@@ -200,7 +205,10 @@ def rivals_of(
     least = top - ALIAS_WITHIN - SLACK / 2 - REFIT_SHARE * top
     near = [scored for scored in scored_forms if _may_reach(scored, least)]
     exact = max((scored.delta_chi2 for scored in near), default=0.0) < SMALL_FALL
-    found = [p if exact and isinstance(p.form, ContactForm) else _refit(fitted, p) for p in near]
+    found: list[Rival] = []
+    for one in near:
+        held = exact and isinstance(one.form, ContactForm)
+        found.append(one if held else _refit(fitted, one, _bar(fitted[1], found)))
     found.sort(key=lambda one: -one.worth)
     products = freed_products(channels, forms)
     leading: list[Rival] = [*products[:MOST_FREED]]
@@ -244,12 +252,24 @@ def _may_reach(scored: ScoredForm, least: float) -> bool:
     return scored.worth > least or not isinstance(scored.form, ContactForm)
 
 
-def _refit(fitted: tuple[Data, Fit, str], scored: ScoredForm) -> Refitted:
+def _bar(fit: Fit, found: Sequence[Rival]) -> float:
+    """Return the cost above which a further form is neither the best nor alike."""
+    refits = [one.fit for one in found if isinstance(one, Refitted)]
+    best = min(refits, key=lambda one: one.chi2, default=None)
+    if best is None:
+        return float(np.inf)
+    fall = fit.chi2 - best.chi2
+    alike = (ALIAS_WITHIN + SLACK / 2) * max(best.chi2_per_dof, 1.0)
+    return best.chi2 + prior_cost(best.theory) + max(alike, WITHIN * fall)
+
+
+def _refit(fitted: tuple[Data, Fit, str], scored: ScoredForm, bar: float) -> Refitted:
     data, fit, name = fitted
-    found = refitted(data, fit, scored, name)
     # An exponent and a frequency are scored at a few values only.
     in_frames = not isinstance(scored.form, ContactForm)
-    return with_free_constants(data, found)[0] if in_frames else found
+    if in_frames:
+        return with_free_constants(data, refitted(data, fit, scored, name))[0]
+    return refitted(data, fit, scored, name, Purpose(beat=bar))
 
 
 def apart(rivals: Sequence[Rival]) -> list[Rival]:

@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from analysis.collision.operator import Body
+from analysis.effects.catalogue import CATALOGUE
 from analysis.effects.effect import FlightEffect, Flying
 from analysis.effects.flight import (
     buoyancy,
@@ -184,3 +185,16 @@ def test_one_degree_of_tilt_pulls_sideways_by_0_17() -> None:
     side = push(gravity_direction.EFFECT, flying(RIGHT), np.radians(1.0), 0.0)
     assert side @ RIGHT == pytest.approx(0.17, abs=0.002)
     assert side @ NEAR == 0.0
+
+
+@given(speeds, spins, st.floats(0.01, 2.0))
+def test_an_effect_that_is_proportional_to_its_number_is_so_at_every_value(
+    velocity: np.ndarray, spin: np.ndarray, value: float
+) -> None:
+    at = flying(velocity, spin)
+    stated = [e for e in CATALOGUE if isinstance(e, FlightEffect) and e.proportional]
+    assert drag.EFFECT in stated
+    for effect in stated:
+        assert len(effect.parameters) == 1
+        assert push(effect, at, value) == pytest.approx(value * push(effect, at, 1.0), rel=1e-9)
+        assert twist(effect, at, value) == pytest.approx(value * twist(effect, at, 1.0), rel=1e-9)
