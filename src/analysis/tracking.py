@@ -22,14 +22,14 @@ from analysis.imaging.edge.frame import (
 from analysis.imaging.film_discs import FilmDiscs
 from analysis.imaging.film_following import FilmCurves
 from analysis.imaging.flight_hypotheses import Falling
-from analysis.imaging.radii import filter_bias, view_radii
+from analysis.imaging.radii import FilterBias, filter_bias, view_radii
 from analysis.imaging.refinement import Appearance, refine_outlines
 from analysis.imaging.stated_view import lowered, lowered_markers
 from analysis.imaging.tracks import Spheres
 from analysis.imaging.views import View, view_geometries
 from analysis.motion.chained import orient_by_steps
 from analysis.motion.pattern import Orientations, orient
-from analysis.motion.poses import Centres, centres
+from analysis.motion.poses import LEAST_SIGMA_PX, Centres, centres
 from analysis.motion.sightings import (
     Radii,
     SeenMarkers,
@@ -205,18 +205,22 @@ def tracking_of(
     seen: Sighting,
     setup: Setup,
     settings: EdgeSettings,
-    bias: dict[View, float],
+    bias: FilterBias,
+    *,
+    least_px: float = LEAST_SIGMA_PX,
 ) -> Tracking:
     """Return the poses; raise `ShotRefusedError` where the images contradict the stated scale.
 
     Parameters
     ----------
     bias
-        By how much the filter enlarges a radius in each view, pixels.
+        What the width of the filter does to the outlines.
+    least_px
+        Standard error of an outline's place at least, pixels.
     """
     views = view_geometries(setup.camera)
-    scales, scale_sigma = _scales(seen.radii, bias, setup)
-    a, b = (centres(discs, i, views, scales, settings.sigma_px) for i in (0, 1))
+    scales, scale_sigma = _scales(seen.radii, bias.radius, setup)
+    a, b = (centres(discs, i, views, scales, (settings.sigma_px, least_px)) for i in (0, 1))
     return Tracking(
         spheres=discs.tracks(),
         markers=seen.markers,

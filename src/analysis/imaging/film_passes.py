@@ -78,7 +78,7 @@ def refit_discs(
 def filtered_otherwise(
     frames: Singles, filters: Filters, circles: Floats, limits: tuple[float, bool]
 ) -> tuple[Floats, Floats]:
-    """Return radius and coverage of known discs as another filter gives them.
+    """Return circles and coverage of known discs as another filter gives them.
 
     Parameters
     ----------
@@ -91,10 +91,10 @@ def filtered_otherwise(
 
     Returns
     -------
-    Shape (discs, frames) each.
+    Shapes (discs, frames, 3) and (discs, frames).
     """
     discs, film = circles.shape[:2]
-    radii, coverage = np.empty((discs, film)), np.empty((discs, film))
+    circles_otherwise, coverage = np.empty((discs, film, 3)), np.empty((discs, film))
     hidden = np.empty((discs, 0, 2)), np.ones(discs)
     for k in range(film):
         starts = circles[:, k].copy()
@@ -104,8 +104,8 @@ def filtered_otherwise(
         edges = points[0], points[1], points[2], points[3]
         outlines = fitted, np.empty((discs, 3, 3))
         _, _, shares = settle_outlines(edges, outlines, starts, hidden, limits)
-        radii[:, k], coverage[:, k] = fitted[:, 2], shares
-    return radii, coverage
+        circles_otherwise[:, k], coverage[:, k] = fitted, shares
+    return circles_otherwise, coverage
 
 
 @compiled

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
+from dataclasses import dataclass
 
-from analysis.arrays import Grey, as_singles
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.arrays import Floats, Grey, as_singles
 from analysis.errors import ShotRefusedError
 from analysis.imaging.assignment import KEEP_OFF_SIGMAS
 from analysis.imaging.edge.frame import EdgeSettings, filters, gradient_threshold
@@ -18,6 +21,9 @@ NEARLY_BEST = 0.9
 FINER = 0.6
 """The second filter is this much narrower."""
 FRAMES_TRIED = 6
+MEDIAN_SIGMA = 1.4826 * 1.2533
+"""Standard error of a median of normal values, over their median deviation and the root of their
+number."""
 FEWEST_PAIRS = 3
 """Outlines seen well through both filters, for a bias to be known."""
 
@@ -71,23 +77,47 @@ def shared_radii(
     return radii
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class FilterBias:
+    """What the width of the edge filter does to outlines, pixels; 0 where too few are seen well.
+
+    Attributes
+    ----------
+    radius
+        By how much it makes the discs of each view too large.
+    place, place_sigma
+        By how much it shifts row and column of each sphere in each view, as the middle of all
+        frames that were tried, and the standard error of that, shapes (2, views, 2).
+    """
+
+    radius: dict[View, float]
+    place: Floats
+    place_sigma: Floats
+
+
 def filter_bias(
     frames: Grey,
     discs: FilmDiscs,
     settings: EdgeSettings,
     noise: float,
-) -> dict[View, float]:
-    """Return by how much the filter makes the discs of each view too large, pixels.
+    tried: int = FRAMES_TRIED,
+) -> FilterBias:
+    """Return what the width of the filter does to the outlines of a film.
 
     The zero of the Laplacian of Gaussian lies off a curved, shaded edge by an amount that grows
-    with sigma^2 (for a flat disc by sigma^2 / (2 R)). Measured with a second, narrower filter on
-    the same discs and carried on to sigma = 0, whatever the shading. 0 where too few outlines are
-    seen well.
+    with sigma^2 (for a flat disc by sigma^2 / (2 R)); shading that differs around the limb shifts
+    the disc by as much. Measured with a second, narrower filter on the same discs and carried on to
+    sigma = 0, whatever the shading.
+
+    Parameters
+    ----------
+    tried
+        Frames that are looked at, at most twice as many.
     """
     fine = EdgeSettings(FINER * settings.sigma_px, None, settings.samples_per_pixel)
     circles, coverage = discs.flat()
     common = np.flatnonzero(discs.found.all(axis=(0, 1)))
-    chosen = common[:: max(1, len(common) // FRAMES_TRIED)]
+    chosen = common[:: max(1, len(common) // tried)]
     finer, shares = filtered_otherwise(
         as_singles(frames[chosen]),
         filters(fine, gradient_threshold(noise, fine.sigma_px)),
@@ -96,8 +126,21 @@ def filter_bias(
     )
     seats = 2, len(discs.views), len(chosen)
     good = (np.minimum(shares, coverage[:, chosen]) >= GOOD_COVERAGE).reshape(seats)
-    wider = (circles[:, chosen, 2] - finer).reshape(seats) / (1.0 - FINER**2)
-    return {
-        view: float(np.median(wider[:, v][good[:, v]])) if good[:, v].sum() >= FEWEST_PAIRS else 0.0
-        for v, view in enumerate(discs.views)
-    }
+    off = (circles[:, chosen] - finer).reshape(*seats, 3) / (1.0 - FINER**2)
+    radius = {view: _middle(off[:, v, :, 2], good[:, v])[0] for v, view in enumerate(discs.views)}
+    place = np.array(
+        [
+            [[_middle(off[i, v, :, k], good[i, v]) for k in (0, 1)] for v in range(seats[1])]
+            for i in (0, 1)
+        ]
+    )
+    return FilterBias(radius, place[..., 0], place[..., 1])
+
+
+def _middle(values: Floats, good: NDArray[np.bool_]) -> tuple[float, float]:
+    """Return the median of the good values and its standard error, both 0 for too few."""
+    if good.sum() < FEWEST_PAIRS:
+        return 0.0, 0.0
+    own = values[good]
+    middle = float(np.median(own))
+    return middle, MEDIAN_SIGMA * float(np.median(np.abs(own - middle))) / float(np.sqrt(own.size))

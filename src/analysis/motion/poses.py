@@ -38,7 +38,7 @@ def centres(
     sphere: int,
     views: tuple[ViewGeometry, ...],
     scales_px_per_m: dict[View, float],
-    sigma_px: float,
+    widths_px: tuple[float, float],
 ) -> Centres:
     """Place one sphere in rig axes: X and Y from the front view, Z from the top view.
 
@@ -50,8 +50,9 @@ def centres(
         0 for a, 1 for b.
     scales_px_per_m
         Scale of each view.
-    sigma_px
-        Width of the edge filter: it ties neighbouring edge points together.
+    widths_px
+        Width of the edge filter, which ties neighbouring edge points together, and the least
+        standard error of an outline's place.
     """
     geometry = {g.view: g for g in views}
     front = sphere, discs.views.index(View.FRONT)
@@ -59,18 +60,20 @@ def centres(
     position, sigma = np.zeros((len(frames), 3)), np.full((len(frames), 3), 1e-6)
     scale = scales_px_per_m[View.FRONT]
     position[:, :2] = (discs.circles[front][frames, :2] - geometry[View.FRONT].origin) / scale
-    sigma[:, :2] = centre_sigmas(discs, front, sigma_px)[frames] / scale
+    sigma[:, :2] = centre_sigmas(discs, front, *widths_px)[frames] / scale
     if View.TOP in discs.views:
         top, scale = (sphere, discs.views.index(View.TOP)), scales_px_per_m[View.TOP]
         seen = discs.found[top][frames]
         height = -(discs.circles[top][frames, 0] - geometry[View.TOP].origin[0]) / scale
         position[:, 2] = np.where(seen, height, np.nan)
-        errors = centre_sigmas(discs, top, sigma_px)[frames, 0] / scale
+        errors = centre_sigmas(discs, top, *widths_px)[frames, 0] / scale
         sigma[:, 2] = np.where(seen, errors, np.inf)
     return Centres(frames, position, sigma)
 
 
-def centre_sigmas(discs: FilmDiscs, seat: tuple[int, int], sigma_px: float) -> Floats:
+def centre_sigmas(
+    discs: FilmDiscs, seat: tuple[int, int], sigma_px: float, least_px: float = LEAST_SIGMA_PX
+) -> Floats:
     """Return the standard errors of row and column of a sphere's outlines in one view, pixels.
 
     The filter makes edge points within 2 sqrt(pi) sigma of each other repeat one another, so the
@@ -89,4 +92,4 @@ def centre_sigmas(discs: FilmDiscs, seat: tuple[int, int], sigma_px: float) -> F
     points = np.diff(discs.spans[seat], axis=1)[:, 0]
     repeats = np.maximum(1.0, 2 * np.sqrt(np.pi) * sigma_px * points / np.maximum(rim, 1e-9))
     variance = np.einsum("kaa->ka", discs.covariance[seat])[:, :2]
-    return np.asarray(np.sqrt(variance * repeats[:, None] + LEAST_SIGMA_PX**2))
+    return np.asarray(np.sqrt(variance * repeats[:, None] + least_px**2))

@@ -22,7 +22,7 @@ from analysis.motion.velocity import fit_flight
 MOST = 25.0
 """Beyond this a track is no free flight; its errors stay as they are and the shot is refused."""
 NO_DRIFT = Drift(0.0, 1.0)
-LEAST_ON_A_SIDE = 4
+LEAST_ON_A_SIDE, LEAST_FREEDOM = 4, 20
 UNKNOWNS, LEAST_BEND = 7, 1e-12
 """Of a flight: two a coordinate, and drag; the bend of one at rest, squared and over its errors."""
 LEAST_OF_A_COORDINATE = 2
@@ -39,25 +39,43 @@ def birge_ratios(
 
     1 where no contact is found: what comes after refuses the shot with its reason.
     """
+    sides = _sides(centres, times_s, gravity)
+    places = [_flight(own, times_s, gravity, side) for own in centres for side in sides]
+    turns = [_turning(own, times_s, side) for own in turned for side in sides]
+    return max(1.0, _pooled(places)[0]), max(1.0, _pooled(turns)[0])
+
+
+def scatter_ratio(centres: tuple[Centres, Centres], times_s: Floats, gravity: float) -> float:
+    """Return the variance of centres about free flight over the stated one.
+
+    Points scatter about a circle also by what the light does to a sphere's outline, which is the
+    same in all frames: errors of outlines by that scatter are too large as well as too small.
+    1 where flights have less than `LEAST_FREEDOM` together.
+    """
+    sides = _sides(centres, times_s, gravity)
+    ratio, freedom = _pooled(
+        [_flight(own, times_s, gravity, side) for own in centres for side in sides]
+    )
+    return ratio if freedom >= LEAST_FREEDOM else 1.0
+
+
+def _sides(
+    centres: tuple[Centres, Centres], times_s: Floats, gravity: float
+) -> list[tuple[int, int]]:
+    """Return first and past the last frame of each side, none where no contact is found."""
     try:
         split = split_at_contact(*centres, times_s, gravity)
     except ShotRefusedError:
-        return 1.0, 1.0
+        return []
     # The frames next to the contact may hold both motions.
-    sides = [(0, split - 1), (split + 1, len(times_s))]
-    places: list[tuple[float, int]] = []
-    turns: list[tuple[float, int]] = []
-    for own, rotation in zip(centres, turned, strict=True):
-        for first, last in sides:
-            places.append(_flight(own, times_s, gravity, (first, last)))
-            turns.append(_turning(rotation, times_s, (first, last)))
-    return _pooled(places), _pooled(turns)
+    return [(0, split - 1), (split + 1, len(times_s))]
 
 
-def _pooled(parts: list[tuple[float, int]]) -> float:
+def _pooled(parts: list[tuple[float, int]]) -> tuple[float, int]:
+    """Return chi-squared over the freedom, 1 where there is none or too much, and the freedom."""
     freedom = sum(own for _, own in parts)
     chi2 = sum(value * own for value, own in parts) / freedom if freedom else 1.0
-    return max(1.0, chi2) if chi2 < MOST else 1.0
+    return (chi2 if chi2 < MOST else 1.0), freedom
 
 
 def _flight(

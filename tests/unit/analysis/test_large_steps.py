@@ -5,8 +5,11 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from analysis.campaign import analyse_campaign, read_campaign
 from analysis.shot import AnalysisOptions, MeasuredShot
@@ -39,6 +42,41 @@ WORLD = WorldDescription(
         background_per_column=0.01,
     ),
 )
+
+
+def beside_truth(shot: MeasuredShot, truth: dict[str, Any]) -> NDArray[np.float64]:
+    """Return row and column of a and b in the front view less the true ones, shape (2, n, 2)."""
+    off, shown = [], set(shot.used_before).intersection(*(own.frames for own in shot.centres))
+    for i, own in enumerate(shot.centres):
+        true = np.array([truth["centres_front_px"][k][i] for k in sorted(shown)])
+        seen = own.position[np.isin(own.frames, list(shown)), :2] * WORLD.optics.scale_px_per_m
+        off.append(seen + WORLD.optics.front_origin_px - true)
+    return np.array(off)
+
+
+def test_errors_of_outlines_alone_are_those_of_one_sphere_against_the_other(tmp_path: Path) -> None:
+    bead, folder = replace(BEAD, markers=0), tmp_path / "beads"
+    world = replace(WORLD, sphere_a=bead, sphere_b=bead)
+    pressures, offsets = [40.0] * 4, [0.2, 0.4, 0.6, 0.8]
+    write_campaign(folder, pressures, offsets, 3, description=world, frame_rate_hz=250.0, frames=14)
+    truths = json.loads((folder / "truth.json").read_text())["shots"]
+    scatters, pulls = [], []
+    for (_, shot, _), truth in zip(
+        analyse_campaign(read_campaign(folder), AnalysisOptions(), workers=1), truths, strict=True
+    ):
+        assert isinstance(shot, MeasuredShot), shot
+        off = beside_truth(shot, truth)
+        scale = WORLD.optics.scale_px_per_m
+        stated_px = scale * float(np.median(shot.centres[0].sigma[:, :2]))
+        between = off[1] - off[0]
+        scatters.append(np.std(between, axis=0, ddof=1) / (np.sqrt(2) * stated_px))
+        slow_px = np.sqrt(2) * scale * shot.slow.position_m
+        pulls.append(
+            between.mean(axis=0) / np.hypot(slow_px, stated_px * np.sqrt(2 / len(between)))
+        )
+    # Of some 48 differences and of 8 means.
+    assert 0.75 < np.sqrt(np.mean(np.square(scatters))) < 1.3
+    assert 0.6 < np.sqrt(np.mean(np.square(pulls))) < 1.7
 
 
 @pytest.mark.parametrize("markers", [0, 12])

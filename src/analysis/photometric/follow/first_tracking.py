@@ -20,10 +20,12 @@ from analysis.imaging.film_discs import FilmDiscs
 from analysis.imaging.film_following import FilmCurves
 from analysis.imaging.marker.dark_places import FAINT_DARKNESS, LEAST_DARKNESS
 from analysis.imaging.marker.markers import film_markers
-from analysis.imaging.radii import filter_bias, shared_radii
+from analysis.imaging.radii import FilterBias, filter_bias, shared_radii
 from analysis.imaging.views import view_geometries
+from analysis.motion.drift import CENTRE_DRIFT_PER_SIGMA2
 from analysis.motion.pattern import Orientations
 from analysis.motion.sightings import markers_by_darkness
+from analysis.photometric.birge_ratio import scatter_ratio
 from analysis.setup import Setup
 from analysis.tracking import (
     Sighting,
@@ -85,6 +87,9 @@ def still_scene(frames: Grey) -> NDArray[np.float32]:
     return np.asarray(within.mean(axis=0), dtype=np.float32)
 
 
+LEFT_BY_THE_LENS = 0.5
+"""Of a shift by shading that two filters have taken out, this share stays: the lens widens edges as
+the filter does, (0.8 / 1.2)^2 as much, and no filter shows it."""
 LEAST_COVERAGE = 0.3
 LIMB_SCALE_SIGMA = 0.005
 """Light from one side makes a radius 0.3 to 0.8 % too small where no markers contradict it."""
@@ -147,13 +152,29 @@ def track_unmarked(frames: Grey, times_s: Floats, setup: Setup, reason: str) -> 
     unmarked = Orientations.none()
     seen = Sighting((film_markers({}), film_markers({})), (unmarked, unmarked), radii)
     refined = refined_discs(discs, curves, seen, setup, settings)
-    bias = filter_bias(frames, discs, settings, noise)
-    tracking = tracking_of(refined, seen, setup, settings, bias)
+    bias = filter_bias(frames, discs, settings, noise, len(frames))
+    moved = replace(refined, circles=refined.circles.copy())
+    moved.circles[..., :2] -= bias.place[:, :, None]
+    tracking = tracking_of(moved, seen, setup, settings, bias, least_px=0.0)
+    ratio = scatter_ratio(tracking.centres, times_s, setup.environment.gravity_m_per_s2)
+    a, b = (replace(own, sigma=np.sqrt(ratio) * own.sigma) for own in tracking.centres)
     return replace(
         tracking,
+        centres=(a, b),
+        filter_sigma_px=float(np.sqrt(_unlike_px(bias) / CENTRE_DRIFT_PER_SIGMA2)),
         notes=(f"measured by outlines alone, spins are open: {reason}",),
         scale_sigma=tracking.scale_sigma and LIMB_SCALE_SIGMA,
     )
+
+
+def _unlike_px(bias: FilterBias) -> float:
+    """Return the slow error of one sphere's place against the other's, over the root of two, px.
+
+    The same light shifts both alike, which moves no line of centres: only what they are shifted by
+    unlike each other counts, and how well that is measured.
+    """
+    unlike = 0.5 * (LEFT_BY_THE_LENS * (bias.place[0] - bias.place[1])) ** 2
+    return float(np.sqrt(np.mean(bias.place_sigma**2) + np.mean(unlike)))
 
 
 def _followed(

@@ -3,7 +3,9 @@ import pytest
 from drawings import BACKGROUND, SETTINGS, SURFACE, draw, edges_of, grey
 from found import At, discs_at
 from one_frame import fit_outline
+from scipy.ndimage import gaussian_filter
 
+from analysis.arrays import Floats
 from analysis.errors import ShotRefusedError
 from analysis.imaging.edge.frame import EdgeSettings, find_edges
 from analysis.imaging.film_discs import FilmDiscs
@@ -34,11 +36,37 @@ def test_the_filter_enlarges_a_flat_disc_by_half_its_variance_over_the_radius(
     picture = draw([(*LEFT, radius), (*RIGHT, radius)])
     frames = np.stack([grey(picture, 1.0, seed) for seed in range(4)])
     discs = fitted(frames, radius, settings)
-    bias = filter_bias(frames, discs, settings, 1.0)
+    bias = filter_bias(frames, discs, settings, 1.0).radius
     assert bias[View.FRONT] == pytest.approx(sigma**2 / (2 * radius), abs=0.02)
     # What is left is the lens's share of the same kind, 0.8^2 / (2 R).
     measured = np.mean(view_radii(discs)[View.FRONT])
     assert measured - bias[View.FRONT] == pytest.approx(radius + 0.32 / radius, abs=0.03)
+
+
+def shaded(radius: float, slope: float) -> Floats:
+    """Return a picture of two discs that are brighter toward the right, blurred as others are."""
+    fine = 4
+    rows, columns = draw([(*LEFT, radius)]).shape
+    y, x = (np.indices((rows * fine, columns * fine)) + 0.5) / fine - 0.5
+    picture = np.full(y.shape, float(BACKGROUND))
+    for row, column in (LEFT, RIGHT):
+        inside = np.hypot(y - row, x - column) < radius
+        light = SURFACE * (1.0 + slope * (x - column) / radius)
+        picture[inside] = light[inside]
+    seen = gaussian_filter(picture, 0.8 * fine)
+    return np.asarray(seen.reshape(rows, fine, columns, fine).mean(axis=(1, 3)))
+
+
+@pytest.mark.parametrize("slope", [0.3, -0.3])
+def test_what_shading_shifts_a_disc_by_is_seen_by_the_second_filter(slope: float) -> None:
+    frames = np.stack([grey(shaded(18.0, slope), 1.0, seed) for seed in range(8)])
+    discs = fitted(frames, 18.0, SETTINGS)
+    shifts = discs.circles[:, 0, :, :2].mean(axis=1) - np.array([LEFT, RIGHT])
+    bias = filter_bias(frames, discs, SETTINGS, 1.0, 8)
+    assert (np.abs(shifts[:, 1]) > 0.02).all()
+    left = shifts - bias.place[:, 0]
+    assert (np.abs(left[:, 1]) < 0.5 * np.abs(shifts[:, 1])).all()
+    assert (np.abs(left[:, 0]) < 0.02).all()
 
 
 def of_sizes(a: list[tuple[float, float]], b: list[tuple[float, float]]) -> FilmDiscs:
@@ -81,7 +109,9 @@ def test_without_a_frame_that_shows_all_outlines_no_bias_is_known() -> None:
     frames = grey(draw([(*LEFT, radius), (*RIGHT, radius)]))[None]
     discs = fitted(frames, radius, SETTINGS)
     discs.coverage[1, 0, 0] = -1.0
-    assert filter_bias(frames, discs, SETTINGS, 1.0) == {View.FRONT: 0.0}
+    bias = filter_bias(frames, discs, SETTINGS, 1.0)
+    assert bias.radius == {View.FRONT: 0.0}
+    assert not bias.place.any()
 
 
 def test_the_drawing_has_the_contrast_that_these_tests_assume() -> None:

@@ -15,7 +15,7 @@ SCALES = {View.FRONT: 1574.8, View.TOP: 1500.0}
 def placed(front: dict[int, At], top: dict[int, At] | None = None) -> Centres:
     seen = {View.FRONT: front} if top is None else {View.FRONT: front, View.TOP: top}
     views = (FRONT,) if top is None else (FRONT, TOP)
-    return centres(discs_at(5, seen), 0, views, SCALES, 1.2)
+    return centres(discs_at(5, seen), 0, views, SCALES, (1.2, LEAST_SIGMA_PX))
 
 
 def test_x_and_y_come_from_the_front_view_and_z_from_the_top_view() -> None:

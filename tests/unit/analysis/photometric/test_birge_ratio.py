@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from analysis.motion.pattern import Orientations
 from analysis.motion.poses import Centres
-from analysis.photometric.birge_ratio import birge_ratios
+from analysis.photometric.birge_ratio import birge_ratios, scatter_ratio
 
 Floats = NDArray[np.float64]
 TIMES = np.arange(60) * 2.5e-4
@@ -76,3 +76,24 @@ def test_the_drag_of_the_air_is_no_scatter() -> None:
 def test_errors_stated_too_small_are_enlarged() -> None:
     # One sphere of two by a factor of three: (9 + 1) / 2.
     assert found(0.0, wild=3.0)[:, 0] == pytest.approx(5.0, abs=1.2)
+
+
+@pytest.mark.parametrize("stated", [0.5, 1.0, 1.6])
+def test_errors_of_outlines_become_what_scatters_about_flights(stated: float) -> None:
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        a, b = (
+            replace(own, sigma=stated * own.sigma)
+            for own in (film(1.0, 0.1, rng), film(-1.0, 0.1, rng))
+        )
+        assert scatter_ratio((a, b), TIMES, G) == pytest.approx(stated**-2, rel=0.25)
+
+
+def test_few_frames_say_nothing_of_their_scatter() -> None:
+    rng = np.random.default_rng(1)
+    near = np.abs(TIMES - CONTACT) < 1e-3
+    a, b = (
+        Centres(own.frames[near], own.position[near], 3.0 * own.sigma[near])
+        for own in (film(1.0, 0.0, rng), film(-1.0, 0.0, rng))
+    )
+    assert scatter_ratio((a, b), TIMES, G) == 1.0
