@@ -18,12 +18,14 @@ from analysis.balls.analysis import AnalysedFilm
 from analysis.balls.films.film import Picture
 from analysis.balls.flight.flights import Flights
 from analysis.balls.measuring import coefficient
-from analysis.figures.palette import FAILS, GREY, MEASURED
+from analysis.figures.palette import FAILS, GREY, MEASURED, SPHERE_A
 from analysis.quantity import Quantity
 
 SHOWN_BALLS = 12
 POINTS = 60
 BRIGHTEST_PERCENTILE = 99.8
+HALF_GREY = 0.5
+"""Places are light on frames that are darker for the most part, and dark on others."""
 LABEL_WIDTH, LABEL_HEIGHT = 70.0, 10.0
 """Of the number and e of a bounce, in points."""
 
@@ -50,13 +52,15 @@ def _over_a_frame(axes: Axes, film: AnalysedFilm) -> None:
     placed = measured.placed
     shown = int(placed.frames[len(placed.frames) // 2])
     picture = film.film.chosen([shown])[shown]
-    axes.imshow(_visible(picture), cmap="gray", interpolation="nearest")
+    visible = _visible(picture)
+    axes.imshow(visible, cmap="gray", interpolation="nearest")
+    colour = SPHERE_A if np.median(visible) < HALF_GREY else MEASURED
     chosen = np.linspace(0, len(placed.frames) - 1, SHOWN_BALLS).round().astype(int)
     for row, column in placed.places[np.unique(chosen)]:
         axes.add_patch(
-            Circle((column, row), measured.looks.radius_px, fill=False, color=MEASURED, lw=0.7)
+            Circle((column, row), measured.looks.radius_px, fill=False, color=colour, lw=0.9)
         )
-    axes.plot(placed.places[:, 1], placed.places[:, 0], ".", color=MEASURED, ms=2.5)
+    axes.plot(placed.places[:, 1], placed.places[:, 0], ".", color=colour, ms=2.5)
     if measured.flights is not None:
         for times, arcs in _pieces(measured.flights):
             way = measured.flights.at(times, arcs)
@@ -117,7 +121,16 @@ def _residuals(axes: Axes, film: AnalysedFilm) -> None:
         axes.plot(
             times, flights.residuals[flights.used, index], ".", color=colour, ms=3, label=name
         )
-    axes.legend(fontsize=8, frameon=False, loc="upper right")
+    # Above the axes: within them it would lie on the points.
+    axes.legend(
+        fontsize=8,
+        frameon=False,
+        loc="lower right",
+        bbox_to_anchor=(1.0, 0.96),
+        ncols=2,
+        markerscale=2.0,
+        handletextpad=0.1,
+    )
 
 
 def _coefficients(axes: Axes, film: AnalysedFilm) -> None:

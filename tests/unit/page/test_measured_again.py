@@ -17,7 +17,7 @@ def test_what_has_changed_is_said_with_both_values_and_what_has_not_is_not() -> 
     said = measured_again(result(0.741), result(0.739))
     assert said == (
         "Measured again, with what is known of its spheres by now: "
-        "bounce e was 0.7390 ± 0.0010, is 0.7410 ± 0.0010."
+        "bounce e was 0.7390\u00a0±\u00a00.0010, is 0.7410\u00a0±\u00a00.0010."
     )
     assert "by the method thesis:" in measured_again(result(0.741, "thesis"), result(0.739))
 

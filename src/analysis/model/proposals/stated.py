@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from types import MappingProxyType
@@ -35,6 +35,7 @@ from analysis.model.proposals.forms.frame import FrameForm, frame_forms
 from analysis.model.proposals.forms.launch import QUANTITIES, LaunchForm
 from analysis.model.proposals.forms.shapes import SHAPES, Shape
 from analysis.model.proposals.proposed import Proposed
+from analysis.model.proposals.ranges import ranges
 
 Json = dict[str, Any]
 
@@ -245,17 +246,6 @@ class Statement:
         return ProposalRefusedError(
             f"{name}, which the form follows, is not known of every shot: add it to the shot list"
         )
-
-
-def ranges(numbers: Sequence[int]) -> str:
-    """Return numbers in short, `1-120,122`."""
-    parts: list[list[int]] = []
-    for number in sorted(numbers):
-        if parts and number == parts[-1][1] + 1:
-            parts[-1][1] = number
-        else:
-            parts.append([number, number])
-    return ",".join(str(a) if a == b else f"{a}-{b}" for a, b in parts)
 
 
 def _sound(name: str, value: object) -> object:

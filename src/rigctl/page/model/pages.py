@@ -152,7 +152,8 @@ class ModelView:
             return
         with ui.element("details").classes("note").props("data-testid=counted"):
             numbers = ", ".join(map(str, why))
-            ui.html(f"{used} used, left out: {numbers}", sanitize=False, tag="summary")
+            shots = f"{'shot' if len(why) == 1 else 'shots'} {numbers}"
+            ui.html(f"{used} used, left out: {shots}", sanitize=False, tag="summary")
             for number, reason in why.items():
                 ui.label(f"Shot {number}: {reason}.")
 

@@ -86,7 +86,9 @@ class MeasuredFilms:
                 f'<img src="{address}/{name}" alt="The film with the ball\'s places, flights and '
                 'bounces drawn over it, and what is left beside the flights.">',
                 sanitize=False,
-            ).classes("own-figure")
+            ).classes("own-figure").props(
+                "tabindex=0 role=region aria-label='Picture of the measured film'"
+            )
             with ui.element("div").classes("beside"):
                 for file, words in (
                     (name, "the picture"),

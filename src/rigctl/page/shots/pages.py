@@ -14,6 +14,7 @@ from rigctl.page.parts.remarks import Remarks
 from rigctl.page.parts.tables import Cell, Line, facts
 from rigctl.page.parts.widgets import button
 from rigctl.page.rig.order_form import words
+from rigctl.page.shots.left_out import gathered
 from rigctl.page.shots.residuals import ShotResiduals
 from rigctl.page.shots.table import ShotTable, latest, stored
 from rigctl.page.shots.view import coefficients, film, read
@@ -202,5 +203,5 @@ def _notes(notes: list[str]) -> None:
     if notes:
         with ui.element("div").classes("panel"):
             ui.label("What the analysis left out").classes("title")
-            for note in notes:
+            for note in gathered(notes):
                 ui.label(note).classes("note")

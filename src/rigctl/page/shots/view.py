@@ -187,6 +187,8 @@ def measured_again(now: Json, before: Json) -> str:
         )
         if was != is_now:
             changed.append(f"{COEFFICIENTS[name].name} was {was}, is {is_now}")
+    # A value and its error stand on one line.
+    changed = [one.replace(" ± ", "\u00a0±\u00a0") for one in changed]
     if not changed:
         return ""
     learned = now["method"] == before["method"] == "photometric"

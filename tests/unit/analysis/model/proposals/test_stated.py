@@ -19,12 +19,12 @@ from analysis.model.proposals.forms.flight import flight_forms
 from analysis.model.proposals.forms.form import SLOTS, ContactForm
 from analysis.model.proposals.forms.frame import frame_forms
 from analysis.model.proposals.forms.shapes import LINEAR, POWER, spread_of
+from analysis.model.proposals.ranges import ranges
 from analysis.model.proposals.screen import shapes_of
 from analysis.model.proposals.stated import (
     Origin,
     Statement,
     numbers_among,
-    ranges,
     read_statement,
 )
 from tests.unit.analysis.model.proposals.hidden import campaign, proposed
