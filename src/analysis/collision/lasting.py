@@ -8,7 +8,7 @@ import numpy as np
 
 from analysis.arrays import Floats
 from analysis.collision.contact_block import SPRING
-from analysis.collision.contact_loop import collide
+from analysis.collision.contact_loop import UNITS, collide
 from analysis.collision.damping import damping
 from analysis.collision.force_law import REFERENCE_SPEED, ForceLaw
 from analysis.collision.operator import Body, Encounter, Outcome, States, inverse_masses
@@ -94,17 +94,13 @@ def lasting(
         ]
     )
     count = len(encounter.normal)
-    units = np.stack(
-        [
-            np.broadcast_to(k, count),
-            dashpot,
-            encounter.mu.clip(min=0.0),
-            np.broadcast_to(np.maximum(stiffness.ratio, LEAST_RATIO), count),
-            np.broadcast_to(2.0 * np.sqrt(1 / give_t) * np.maximum(stiffness.damping, 0.0), count),
-            law.normal.elastic_duration * depth / speed,
-        ],
-        axis=1,
-    )
+    units = np.empty((count, UNITS))
+    units[:, 0] = k
+    units[:, 1] = dashpot
+    units[:, 2] = encounter.mu.clip(min=0.0)
+    units[:, 3] = np.maximum(stiffness.ratio, LEAST_RATIO)
+    units[:, 4] = 2.0 * np.sqrt(1 / give_t) * np.maximum(stiffness.damping, 0.0)
+    units[:, 5] = law.normal.elastic_duration * depth / speed
     relative = before.velocity_b - before.velocity_a
     spins = np.stack([before.spin_a, before.spin_b], axis=1)
     touch = _rows(encounter.normal), _rows(relative), _rows(spins)

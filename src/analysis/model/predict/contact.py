@@ -194,11 +194,13 @@ def _outcomes(
 
 def _turned(numbers: Floats, turn: Floats) -> Floats:
     """Return the change of vectors (S, 12) or outcomes (S, 25) for a unit of a turn (S, 3)."""
-    change = np.zeros_like(numbers)
-    scalar = DURATION.start
-    for start in [*range(0, scalar, 3), *range(DURATION.stop, numbers.shape[1], 3)]:
-        change[:, start : start + 3] = np.cross(turn, numbers[:, start : start + 3])
-    return change
+    vectors, duration = numbers[:, AFTER], np.zeros((len(numbers), 1))
+    later = numbers[:, DURATION.stop :]
+    both = np.concatenate([vectors, later], axis=1).reshape(len(numbers), -1, 3)
+    turned = np.cross(turn[:, None], both).reshape(len(numbers), -1)
+    if numbers.shape[1] == AFTER.stop:
+        return turned
+    return np.concatenate([turned[:, AFTER], duration, turned[:, AFTER.stop :]], axis=1)
 
 
 def _by_kept_spin(outcome: Floats, sphere: int) -> Floats:
