@@ -43,7 +43,7 @@ def test_a_hidden_effect_is_moved_added_and_kept_by_a_reload(page: Page, served:
     slider = page.get_by_test_id("amount")
     slider.wait_for(timeout=LONG_MS)
     expect(page.get_by_test_id("story-compare")).to_contain_text("times the noise")
-    expect(page.get_by_test_id("guide-text")).to_contain_text("That was the whole way")
+    expect(page.get_by_test_id("guide-text")).to_contain_text("Below stands the verdict")
     card = page.get_by_test_id("lead")
     expect(card).to_contain_text("The mirror is not at 45°")
     assert card.locator("math").count() == 1

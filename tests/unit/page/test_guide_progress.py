@@ -45,6 +45,12 @@ def test_whoever_has_compared_is_through_wherever_the_shots_came_from() -> None:
     assert progress_of([], any_measured=False, compared=True).step == OVER
 
 
+@pytest.mark.parametrize(("fired_here", "done"), [(True, [1, 2, 3, 4]), (False, [4])])
+def test_steps_that_nobody_took_here_are_not_called_done(fired_here: bool, done: list[int]) -> None:
+    over = progress_of([], any_measured=fired_here, compared=True)
+    assert [step for step in range(1, 5) if over.is_done(step)] == done
+
+
 def test_a_shot_without_a_campaign_is_read_too() -> None:
     assert progress_of([], any_measured=True, compared=False).step == READ
 

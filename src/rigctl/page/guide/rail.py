@@ -40,12 +40,19 @@ class Progress:
         The campaign of the store with most measured shots; empty while there is none.
     measured, fired
         Its measured shots, and all of them.
+    elsewhere
+        Whether what was compared was fired elsewhere: no shot of this rig is measured.
     """
 
     step: int
     campaign: str = ""
     measured: int = 0
     fired: int = 0
+    elsewhere: bool = False
+
+    def is_done(self, step: int) -> bool:
+        """Say whether a step was taken here."""
+        return step < self.step and not (self.elsewhere and step < COMPARE)
 
 
 def progress_of(
@@ -63,7 +70,7 @@ def progress_of(
         Whether a campaign stands beside its model on this page.
     """
     if compared:
-        return Progress(OVER)
+        return Progress(OVER, elsewhere=not any_measured)
     counted = [(one.states.get(ShotState.ANALYSED, 0), one) for one in campaigns]
     measured, best = max(counted, key=lambda pair: pair[0], default=(0, None))
     if best is None:
@@ -149,7 +156,7 @@ class Rail:
                 hide.tooltip("It stays hidden in this browser; the ? at the top brings it back.")
 
     def _step(self, number: int, name: str, about: str) -> None:
-        done, here = number < self._now.step, number == self._now.step
+        done, here = self._now.is_done(number), number == self._now.step
         look = "done" if done else "here" if here else "todo"
         with ui.element("li").classes(look) as placed:
             if here:
@@ -181,9 +188,10 @@ class Rail:
                 f"{now.measured} shots are measured. Now hold them against the model: where it is "
                 "wrong, something is missing in it."
             )
+        way = "These shots are" if now.elsewhere else "That was the whole way: fired, measured,"
         return (
-            "That was the whole way: fired, measured, compared. Below stands the verdict, then "
-            "where the model fails and what is missing: add it in step 3, and the error falls."
+            f"{way} compared. Below stands the verdict, then where the model fails and what is "
+            "missing: add it in step 3, and the error falls."
         )
 
     def _met(self) -> str:
