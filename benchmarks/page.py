@@ -1,9 +1,9 @@
 """How fast the page is, and what it costs the rig: python -m benchmarks.page.
 
 A daemon of its own with the simulated rig, Chromium in front of it. What five pages cost a fire
-request is what the daemon does for them, so five follow without a browser; beside it stands what
-five browsers add that draw on the same computer, on its last core. Prints each number beside what
-is asked, writes out/page.json, and ends 1 where one is missed.
+request is measured with five browsers on the rig's own computer, and apart from that with five that
+follow without a browser: what the daemon does for them. Prints each number beside what is asked,
+writes out/page.json, and ends 1 where one is missed.
 """
 
 from __future__ import annotations
@@ -160,13 +160,13 @@ def fire_delay(browser: Browser, daemon: Served, shots: int) -> Iterator[Number]
             page.context.close()
         settle(daemon)
     yield from fire_numbers("alone", alone)
-    for whose, fired, asked in (
-        (f"with {PAGES} pages", followed, 10.0),
-        (f"with {PAGES} browsers on this host", watched, None),
+    for whose, fired in (
+        (f"with {PAGES} pages without browsers", followed),
+        (f"with {PAGES} browsers on this host", watched),
     ):
         yield from fire_numbers(whose, fired)
         added = statistics.median(fired.took) - statistics.median(alone.took)
-        yield Number("  added to the request, medians", 1e3 * added, "ms", asked)
+        yield Number("  added to the request, medians", 1e3 * added, "ms", 10.0)
         off = sigma_of_difference(fired.took, alone.took)
         yield Number("    its standard error", 1e3 * off, "ms")
         spent = fired.daemon_s / len(fired.took) - alone.daemon_s / len(alone.took)
