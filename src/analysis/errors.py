@@ -36,6 +36,10 @@ LONGEST_REASON = 1000
 """Characters of a refusal; what a file holds may be quoted in it, however long that is."""
 
 
+class NoContactError(ShotRefusedError):
+    """The frames that show both spheres hold no contact, or too little of one side of it."""
+
+
 class InputError(Exception):
     """A file or folder that cannot be read: which file, where in it, and why."""
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.collision.coefficients import Impact, NoTouchError
-from analysis.errors import ShotRefusedError
+from analysis.errors import NoContactError, ShotRefusedError
 from analysis.motion.split import LEAST_FRAMES
 from analysis.motion.velocity import FlightPath
 from analysis.shot_poses import Frames, ShotPoses
@@ -17,9 +17,9 @@ IMPOSSIBLE_SIGMAS, LEAST_BEYOND = 5.0, 0.02
 _VIEWS = ("front", "front", "top")
 
 
-def never_meet(miss: NoTouchError, radii: tuple[float, float]) -> ShotRefusedError:
+def never_meet(miss: NoTouchError, radii: tuple[float, float]) -> NoContactError:
     """Return the refusal of paths that pass each other by."""
-    return ShotRefusedError(
+    return NoContactError(
         "contact",
         f"the paths before the kink pass at {1e3 * miss.closest_m:.2f} mm between the centres; "
         f"the spheres touch at {1e3 * sum(radii):.2f} mm",
@@ -32,6 +32,13 @@ def check_between(contact: float, poses: ShotPoses, before: Frames, after: Frame
     step = float(np.median(np.diff(times_s)))
     early = times_s[before[-1]] - MISMATCH_FRAMES * step
     late = times_s[after[0]] + MISMATCH_FRAMES * step
+    if not times_s[0] - step <= contact <= times_s[-1] + step:
+        raise ShotRefusedError(
+            "contact",
+            f"the paths touch {1e3 * contact:.1f} ms from the first frame, outside the film: what "
+            "was followed may be something else than the spheres; check their contrast, the "
+            "diameters and the scale",
+        )
     if not early <= contact <= late:
         raise ShotRefusedError(
             "contact",
@@ -49,7 +56,7 @@ def check_enough(poses: ShotPoses, side: Side, sphere: int | None) -> None:
         clear = int(np.isfinite(poses.position_sigma[side.rows, sphere]).any(axis=1).sum())
         whose = f" of sphere {'ab'[sphere]}"
     if clear < LEAST_FRAMES:
-        raise ShotRefusedError(
+        raise NoContactError(
             "contact",
             f"{clear} frames{whose} clear of the contact {side.word} it; {LEAST_FRAMES} are needed",
             None if side.rows.size == 0 else int(poses.frames[side.rows[0]]),

@@ -10,11 +10,12 @@ import numpy as np
 from analysis.arrays import Floats, Grey
 from analysis.collision.coefficients import Impact
 from analysis.collision.operator import Body
-from analysis.errors import ShotRefusedError
+from analysis.errors import NoContactError, ShotRefusedError
 from analysis.imaging.edge.frame import EdgeSettings
 from analysis.imaging.stated_view import first_row, stated_view
 from analysis.motion.pattern import Orientations
 from analysis.motion.poses import Centres
+from analysis.not_met import what_happened
 from analysis.scene import Scene
 from analysis.setup import NO_SLOW_ERRORS, Setup, SlowErrors
 from analysis.shot_poses import ShotPoses
@@ -212,6 +213,9 @@ def analyse_shot(
         poses = ShotPoses.of_tracks(tracking.centres, tracking.orientations, elapsed_s)
         scene = Scene.of(setup, slow, float(np.median(np.diff(elapsed_s))))
         sides = measure_two_sides(poses, scene, three_and_three=chosen.three_and_three)
+    except NoContactError as refusal:
+        happened = "" if tracking is None else what_happened(tracking, setup, elapsed_s)
+        return _refused(refusal, tracking, above, happened)
     except ShotRefusedError as refusal:
         return _refused(refusal, tracking, above)
     return MeasuredShot(
@@ -234,9 +238,11 @@ def analyse_shot(
     )
 
 
-def _refused(refusal: ShotRefusedError, tracking: Tracking | None, above: int) -> RefusedShot:
+def _refused(
+    refusal: ShotRefusedError, tracking: Tracking | None, above: int, happened: str = ""
+) -> RefusedShot:
     """Return a refusal in pixels of the whole frame, of which so many rows were not looked at."""
-    reason = refusal.reason
+    reason = f"{happened} ({refusal.reason})" if happened else refusal.reason
     discs = tuple((row + above, column, radius) for row, column, radius in refusal.discs)
     if discs:
         places = ", ".join(f"({row:.0f}, {column:.0f})" for row, column, _ in discs)

@@ -55,7 +55,7 @@ def seed_frame(
     """
     radii_px = vote_radii(radii_px)
     best: tuple[float, int, dict[View, tuple[Disc, Disc]]] | None = None
-    most_seen: tuple[int, int, list[Place]] = (-1, 0, [])
+    most_seen: tuple[list[int], int, list[Place]] = ([-1], 0, [])
     for k in _middle_first(len(film)):
         edges = film.whole(k)
         found = {
@@ -63,15 +63,15 @@ def seed_frame(
             for radius in dict.fromkeys(radii_px)
         }
         pairs: dict[View, tuple[Disc, Disc]] = {}
-        seen = 0
+        seen: list[int] = []
         for geometry in views:
             a, b = ([d for d in found[radius] if _inside(d, geometry)] for radius in radii_px)
             pair = pair_apart(a, b, LEAST_APART * sum(radii_px))
-            seen += 2 if pair is not None else min(len(a) + len(b), 1)
+            seen.append(2 if pair is not None else min(len(a) + len(b), 1))
             if pair is not None:
                 alike = radii_px[0] == radii_px[1] and pair[0].column > pair[1].column
                 pairs[geometry.view] = pair[::-1] if alike else pair
-        if seen > most_seen[0]:
+        if sum(seen) > sum(most_seen[0]):
             shown = [(d.row, d.column, r) for r, every in found.items() for d in every]
             most_seen = (seen, k, shown)
         if len(pairs) < len(views) or not _columns_agree(pairs, max(radii_px)):
@@ -85,15 +85,24 @@ def seed_frame(
     if best is None:
         seen, k, shown = most_seen
         radii = " and ".join(f"{radius:.1f}" for radius in dict.fromkeys(radii_px))
+        shown_of_two = " and ".join(
+            f"{count} of 2 in the {own.view.value} view"
+            for count, own in zip(seen, views, strict=True)
+        )
         raise ShotRefusedError(
             "assignment",
-            f"no frame shows two spheres in each of {len(views)} views with the columns of the "
-            f"views in agreement; the best frame shows {seen} of {2 * len(views)} discs of "
-            f"radius {radii} px",
+            f"no frame shows both spheres{_each(views)}; the best frame shows {shown_of_two}, as "
+            f"discs of radius {radii} px",
             k,
             shown,
         )
     return best[1], best[2]
+
+
+def _each(views: tuple[ViewGeometry, ...]) -> str:
+    if len(views) == 1:
+        return ""
+    return f" in each of {len(views)} views with the columns of the views in agreement"
 
 
 def _inside(disc: Disc, geometry: ViewGeometry) -> bool:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.arrays import Floats
-from analysis.errors import ShotRefusedError
+from analysis.errors import NoContactError
 from analysis.motion.poses import Centres
 from analysis.motion.velocity import DOWN
 
@@ -23,12 +23,12 @@ def split_at_contact(a: Centres, b: Centres, times_s: Floats, gravity: float) ->
 
     Raises
     ------
-    ShotRefusedError
+    NoContactError
         Too few frames with both spheres, or no kink in the tracks.
     """
     common = np.intersect1d(a.frames, b.frames)
     if common.size < 2 * LEAST_FRAMES:
-        raise ShotRefusedError(
+        raise NoContactError(
             "contact",
             f"both spheres are measured in {common.size} frames; {2 * LEAST_FRAMES} are needed, "
             f"{LEAST_FRAMES} on each side of the contact",
@@ -47,7 +47,7 @@ def split_at_contact(a: Centres, b: Centres, times_s: Floats, gravity: float) ->
     freedom = 6 * common.size - 24
     excess = (whole - costs[best]) / 12 / max(costs[best] / max(freedom, 1), 1e-12)
     if excess < LEAST_IMPROVEMENT**2:
-        raise ShotRefusedError(
+        raise NoContactError(
             "contact",
             "the tracks run straight through all frames: no contact is seen between frames "
             f"{common[0]} and {common[-1]}",

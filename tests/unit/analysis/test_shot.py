@@ -249,7 +249,7 @@ def test_one_sphere_only_is_refused_with_what_was_seen(rendered: RenderedShot) -
     frames[:, :, 118:] = frames[:, :, :1]
     result = refused(frames[:8])
     assert result.step == "assignment"
-    assert "shows 2 of 4 discs" in result.reason
+    assert "1 of 2 in the front view and 1 of 2 in the top view" in result.reason
     assert result.frame is not None
 
 

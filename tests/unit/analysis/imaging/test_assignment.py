@@ -107,14 +107,14 @@ def test_one_sphere_alone_is_refused_with_what_was_seen() -> None:
         follow(film(truth, hidden=("b",)), VIEWS, (RADIUS, RADIUS), FALLING)
     assert refusal.value.step == "assignment"
     assert refusal.value.frame in range(4)
-    assert "shows 2 of 4 discs of radius 14.0 px" in refusal.value.reason
+    assert "of 2 in the top view, as discs of radius 14.0 px" in refusal.value.reason
     row, column, _ = truth[refusal.value.frame or 0]["a", View.FRONT]
     assert any(abs(r - row) < 1 and abs(c - column) < 1 for r, c, _ in refusal.value.discs)
 
 
 def test_blank_frames_are_refused_with_no_disc_seen() -> None:
     blank = FilmEdges(np.full((3, *SHAPE), 40, dtype=np.uint8), SETTINGS, THRESHOLD)
-    with pytest.raises(ShotRefusedError, match=r"assignment.* shows 0 of 4 discs"):
+    with pytest.raises(ShotRefusedError, match=r"assignment.* shows 0 of 2 in the front view"):
         follow(blank, VIEWS, (RADIUS, RADIUS), FALLING)
 
 
