@@ -6,7 +6,7 @@ import uuid
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from rigctl.commissioning.step import Act, Step
+from rigctl.commissioning.step import Act, Part, Step
 from rigctl.errors import RecordingNotConfirmedError, RefusedError, RigError
 from rigctl.rig.clock import Clock
 from rigctl.rig.machine import Rig
@@ -72,7 +72,8 @@ class Acts:
 
     def _refused(self, step: Step, actor: str) -> Found:
         try:
-            self._rig.arm(_settings(step), actor)
+            # Before the cut-off was seen nothing moves, not even to the lowest settings.
+            self._rig.arm(_settings(step), actor, still=step.part is Part.CUT_OFF)
         except RigError as error:
             said = f"{error.sentence()} [{self._rig.status().reason}]"
             return Found(any(word in said for word in step.refused_by), f"refused: {said}")

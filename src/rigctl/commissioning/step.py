@@ -45,8 +45,9 @@ class Act(StrEnum):
     REST = "rest"
 
 
-MOVING = frozenset({Act.BACK, Act.SET, Act.SET_STOP, Act.FIRE, Act.UNRECORDED, Act.REST})
-"""Acts that may move something: none before the cut-off was seen to work."""
+_MOVING = frozenset(
+    {Act.REFUSED, Act.BACK, Act.SET, Act.SET_STOP, Act.FIRE, Act.UNRECORDED, Act.REST}
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,6 +84,14 @@ class Step:
     sections: tuple[str, ...] = ()
     firmware: bool = False
     latched_by: tuple[str, ...] = ()
+
+    @property
+    def may_move(self) -> bool:
+        """Whether its act may move something, as arming does: none before the cut-off was seen.
+
+        The refusals of the cut-off's own steps are tried with everything left as it is.
+        """
+        return self.act in _MOVING and self.part is not Part.CUT_OFF
 
 
 def lowest(

@@ -10,7 +10,7 @@ from typing import Any
 from rigctl.commissioning.acts import Acts, Found
 from rigctl.commissioning.answers import NO, REWIRED, YES, Answer, Answers, marks_of
 from rigctl.commissioning.gate import Gate, Standing
-from rigctl.commissioning.step import MOVING, Part, Step
+from rigctl.commissioning.step import Part, Step
 from rigctl.config import Configuration
 from rigctl.errors import NotFoundError, RefusedError, SettingsError
 from rigctl.firmware import source_digest
@@ -56,7 +56,7 @@ class Commissioning:
             been seen to work.
         """
         step = self._step(name)
-        if step.act in MOVING:
+        if step.may_move:
             self._gate.require_cut_off()
         with self._gate.trial(step.settings):
             self._found[name] = found = self._acts.perform(step, actor)

@@ -127,12 +127,13 @@ class Rig:
         """Say within a bound whether the cut-off's thread takes orders."""
         return self._stop.answers()
 
-    def arm(self, settings: ShotSettings, actor: str) -> Armed:
+    def arm(self, settings: ShotSettings, actor: str, *, still: bool = False) -> Armed:
         """Set pressure and offset, wait until they are reached, check everything, give a token.
 
         A token given before is dead from the first moment. Lost lines are opened again. Nothing
         moves unless the permit holds and the cut-off answers. The wait ends after the configured
-        `settle_timeout_s`.
+        `settle_timeout_s`. With `still` nothing is set and nothing moves: everything is checked as
+        it is.
 
         Raises
         ------
@@ -153,7 +154,7 @@ class Rig:
             self._readiness.begin(settings, actor)
             reopen(self._devices, self._stop)
             self._require(self._conditions.permit(settings))
-            if self._conditions.cut_off().holds:
+            if not still and self._conditions.cut_off().holds:
                 try:
                     adjust(settings, self._bench, self._conditions, self._stop)
                 except DeviceError as error:
