@@ -28,7 +28,7 @@ class Laboratory(Protocol):
     """What stands in for the real ports on a simulated rig."""
 
     def port(self, role: str, /) -> str:
-        """Return the device path or folder of a simulated role."""
+        """Return the device path or folder of a simulated role; raise `ValueError` at no role."""
 
     def usb_backend(self) -> usb.backend.IBackend:
         """Return the simulated bus."""
@@ -72,7 +72,7 @@ def resolved(port: str, laboratory: Laboratory | None) -> str:
     Raises
     ------
     ConfigurationError
-        The port is simulated and there is no simulated laboratory.
+        The port is simulated, and there is no simulated laboratory or it has no such role.
     """
     if not port.startswith(SIMULATED):
         return port
@@ -82,7 +82,12 @@ def resolved(port: str, laboratory: Laboratory | None) -> str:
             part=port,
             todo="name a real port, or add the table [simulation]",
         )
-    return laboratory.port(port.removeprefix(SIMULATED))
+    try:
+        return laboratory.port(port.removeprefix(SIMULATED))
+    except ValueError as error:
+        raise ConfigurationError(
+            str(error), part=port, todo="correct the port in the configuration"
+        ) from error
 
 
 def _cut_off(section: Lcus, laboratory: Laboratory | None) -> LcusRelay:

@@ -7,10 +7,11 @@ from typing import Any
 
 import pytest
 
-from rigctl.config import Configuration, Simulation, StoreSection, load
+from rigctl.config import Configuration, Simulation, StoreSection, default_path, load
 from rigctl.daemon import open_daemon
 from rigctl.errors import ConfigurationError, DeviceAbsentError
 from rigctl.store import Store
+from tests.invoked import rigctl
 
 
 def simulated(folder: Path, factory: str, **options: Any) -> Configuration:
@@ -81,3 +82,16 @@ def test_a_failure_inside_leaves_power_off_and_everything_closed(tmp_path: Path)
         fail_while_powered()
     assert kept[0].state()["powered"] is False
     Store(tmp_path).close()
+
+
+@pytest.mark.parametrize("port", ["sim:trigger", "sim:regulator", "sim:slide", "sim:cut-off"])
+def test_a_simulated_port_that_nobody_knows_ends_the_start_as_bad_input(
+    tmp_path: Path, port: str
+) -> None:
+    text = default_path().read_text().replace(f'"{port}"', '"sim:valve"')
+    (tmp_path / "rig.toml").write_text(text)
+    ended = rigctl("serve", "--config", "rig.toml", "--port", "0", folder=tmp_path)
+    assert ended.returncode == 2
+    assert ended.stderr.startswith("rigctl: sim:valve: ")
+    assert ended.stderr.count("\n") == 1
+    Store(tmp_path / "data").close()

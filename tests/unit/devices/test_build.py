@@ -22,6 +22,7 @@ from rigctl.devices.lcus import Holders, LcusRelay
 from rigctl.devices.serial_line import SerialLine
 from rigctl.devices.trigger_box import TriggerBox
 from rigctl.errors import ConfigurationError, DeviceAbsentError
+from simulators.laboratory import open_laboratory
 
 MakeDevice = Callable[..., Any]
 Laboratory = Any
@@ -147,3 +148,12 @@ def test_a_simulated_port_without_a_laboratory_is_a_matter_of_the_configuration(
     assert resolved("/dev/ttyUSB0", None) == "/dev/ttyUSB0"
     with pytest.raises(ConfigurationError, match=r"sim:trigger.*\[simulation\]"):
         resolved("sim:trigger", None)
+
+
+def test_a_simulated_port_that_the_laboratory_has_not_is_named(tmp_path: Path) -> None:
+    laboratory = open_laboratory(tmp_path, {})
+    try:
+        with pytest.raises(ConfigurationError, match=r"^sim:valve: .*'valve'.*trigger.*; correct"):
+            resolved("sim:valve", laboratory)
+    finally:
+        laboratory.close()
