@@ -28,8 +28,10 @@ class AlicatLine:
     set_point_kpa: float
 
 
-def parse(line: str, part: str) -> AlicatLine:
+def parse(line: str, part: str, otherwise: str = "") -> AlicatLine:
     """Take apart an answer such as ``A +040.00 +040.00``.
+
+    `otherwise` is what else to think of, beside the unit's own settings, if it is none.
 
     Raises
     ------
@@ -42,7 +44,8 @@ def parse(line: str, part: str) -> AlicatLine:
             "the answer is no line of letter, pressure and set point",
             part=part,
             value=repr(line),
-            todo="check the unit's letter, its units (kPa gauge) and the baud rate",
+            todo="check the unit's letter, its units (kPa gauge) and the baud rate"
+            + (f"; {otherwise}" if otherwise else ""),
         )
     return AlicatLine(match[1], float(match[2]), float(match[3]))
 
@@ -137,7 +140,7 @@ class AlicatPair:
 
     def _ask(self, unit: str, question: str) -> AlicatLine:
         answer = self._port.ask(question, late=lambda line: self._is_of_another(line, unit))
-        return parse(answer, self.name)
+        return parse(answer, self.name, self._port.another)
 
     def _is_of_another(self, line: str, unit: str) -> bool:
         match = _LINE.fullmatch(line)

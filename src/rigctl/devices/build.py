@@ -52,7 +52,7 @@ def build_actuators(configuration: Configuration, laboratory: Laboratory | None)
     with ExitStack() as opened:
         cut_off = _cut_off(configuration.cut_off, laboratory)
         opened.callback(cut_off.close)
-        trigger = _trigger(configuration.trigger, laboratory)
+        trigger = build_trigger(configuration.trigger, laboratory)
         opened.callback(trigger.close)
         regulator = None
         if configuration.regulator is not None:
@@ -100,7 +100,8 @@ def _cut_off(section: Lcus, laboratory: Laboratory | None) -> LcusRelay:
     return LcusRelay(port, channel=section.channel)
 
 
-def _trigger(section: TriggerSection, laboratory: Laboratory | None) -> Trigger:
+def build_trigger(section: TriggerSection, laboratory: Laboratory | None) -> Trigger:
+    """Open a trigger; it fires nothing. Raises as `build_actuators`."""
     path = resolved(section.port, laboratory)
     if isinstance(section, SolenoidPair | Magnet):
         port = SerialPort(

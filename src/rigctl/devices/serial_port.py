@@ -30,6 +30,11 @@ _LINE_FAILED = (OSError, termios.error)
 _FORBIDDEN = {errno.EPERM, errno.EACCES}
 
 
+def another_on(url: str) -> str:
+    """Return what to think of where a port is there and nobody answers on it as is due."""
+    return f"another device may be on {url}: compare it with the ports of the configuration"
+
+
 class SerialPort:
     """A transport of bytes and lines; it knows no device.
 
@@ -95,6 +100,11 @@ class SerialPort:
         self._serial.dtr = False
         self._serial.rts = False
         self._open()
+
+    @property
+    def another(self) -> str:
+        """What to think of an answer that is none of the device's protocol."""
+        return another_on(self._url)
 
     @contextmanager
     def held(self) -> Iterator[None]:
@@ -274,7 +284,7 @@ class SerialPort:
                 f"{self._url} does not take {data!r}",
                 part=self.part,
                 limit=f"{self._timeout_s:g} s",
-                todo="check the cable and the power",
+                todo=f"check the cable and the power; {self.another}",
             ) from error
         except _LINE_FAILED as error:
             raise self._hung_up() from error
@@ -325,7 +335,7 @@ class SerialPort:
                 f"the answer to {question!r} is no line of ASCII{_before(stale, late)}",
                 part=self.part,
                 value=repr(line),
-                todo="check the cable, the baud rate and the earth connection",
+                todo=f"{self.another}, or check cable, baud rate and earth connection",
             )
         return line.decode("ascii")
 
@@ -340,13 +350,13 @@ class SerialPort:
                 part=self.part,
                 value=repr(half),
                 limit=f"a whole line within {waited_s:g} s",
-                todo="check the cable and the baud rate",
+                todo=f"{self.another}, or check the cable and the baud rate",
             )
         return DeviceSilentError(
             f"no answer to {question!r}{_before(stale, late)}",
             part=self.part,
             limit=f"{waited_s:g} s",
-            todo="check the cable and the power",
+            todo=f"check the cable and the power; {self.another}",
         )
 
 

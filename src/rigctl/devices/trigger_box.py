@@ -64,8 +64,10 @@ def closed(text: str) -> str:
     return f"{text}*{reduce(xor, text.encode('ascii'), 0):02X}"
 
 
-def opened(line: str, part: str) -> str:
+def opened(line: str, part: str, otherwise: str = "another device may be on the port") -> str:
     """Return what a closed line says.
+
+    `otherwise` is what to think of, beside the cable, where it is not closed.
 
     Raises
     ------
@@ -78,7 +80,7 @@ def opened(line: str, part: str) -> str:
             "the answer's checksum is absent or wrong",
             part=part,
             value=repr(line),
-            todo="check the cable and its screen",
+            todo=f"{otherwise}, or check the cable and its screen",
         )
     return match[1]
 
@@ -111,7 +113,7 @@ def unexpected(text: str, question: str, part: str) -> DeviceAnswerError:
         f"{question!r} was answered by something else",
         part=part,
         value=repr(text),
-        todo="check that a trigger box is on this port",
+        todo="check that a trigger box is on this port: another device may be there",
     )
 
 
@@ -323,7 +325,7 @@ class TriggerBox:
                     late=lambda line: self._is_late(line, kind),
                     timeout_s=timeout_s,
                 )
-                return opened(line, self.name)
+                return opened(line, self.name, self._port.another)
             except DeviceError:
                 self._ready_for = None
                 raise

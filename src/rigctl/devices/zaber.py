@@ -19,6 +19,7 @@ from zaber_motion.exceptions import (
 )
 
 from rigctl.devices.roles import Reading
+from rigctl.devices.serial_port import another_on
 from rigctl.errors import (
     DeviceAbsentError,
     DeviceAnswerError,
@@ -205,7 +206,7 @@ class ZaberSlide:
                     f"no answer to {question!r}",
                     part=self._part,
                     limit=f"{self._answer_timeout_s:g} s",
-                    todo="check the cable and the power",
+                    todo=f"check the cable and the power; {another_on(self._path)}",
                 )
             case SerialPortBusyException():
                 return DeviceBusyError(
@@ -232,5 +233,5 @@ class ZaberSlide:
                     f"{question!r} was not understood",
                     part=self._part,
                     value=error.message,
-                    todo="check that a Zaber stage is on this port",
+                    todo=f"{another_on(self._path)}",
                 )

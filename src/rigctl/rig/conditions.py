@@ -146,14 +146,16 @@ class Conditions:
             powered = trigger.powered()
         except RigError as error:
             return self._silent("trigger", trigger.name, error)
-        return self._word(
-            "trigger",
-            powered,
-            "powered" if powered else "without power",
-            limit="powered",
-            source=trigger.name,
-            todo="release the emergency stop, or check the supply of the actuators",
+        # A cut-off on the wrong board or channel gives power elsewhere, and knows nothing of it.
+        todo = (
+            "the cut-off was restored: check its port and channel in the configuration, the "
+            "switch at hand, and the supply of the actuators"
+            if self._stop.powered
+            else "release the rig, which gives power back"
         )
+        value = "powered" if powered else "without power"
+        source = trigger.name
+        return self._word("trigger", powered, value, limit="powered", source=source, todo=todo)
 
     def _latch(self) -> Interlock:
         latch = self._stop.latch

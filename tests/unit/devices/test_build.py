@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -16,12 +16,12 @@ from rigctl.config import Configuration, V4l2Camera, V4l2Source, default_path, l
 from rigctl.config import SerialLine as LineSection
 from rigctl.config import SolenoidPair as SolenoidSection
 from rigctl.devices.alicat import AlicatPair
-from rigctl.devices.build import build_actuators, resolved
+from rigctl.devices.build import build_actuators, build_slide, build_trigger, resolved
 from rigctl.devices.hid_relay import HidRelay
 from rigctl.devices.lcus import Holders, LcusRelay
 from rigctl.devices.serial_line import SerialLine
 from rigctl.devices.trigger_box import TriggerBox
-from rigctl.errors import ConfigurationError, DeviceAbsentError
+from rigctl.errors import ConfigurationError, DeviceAbsentError, DeviceError
 from simulators.laboratory import open_laboratory
 
 MakeDevice = Callable[..., Any]
@@ -152,8 +152,38 @@ def test_a_simulated_port_without_a_laboratory_is_a_matter_of_the_configuration(
 
 def test_a_simulated_port_that_the_laboratory_has_not_is_named(tmp_path: Path) -> None:
     laboratory = open_laboratory(tmp_path, {})
-    try:
-        with pytest.raises(ConfigurationError, match=r"^sim:valve: .*'valve'.*trigger.*; correct"):
-            resolved("sim:valve", laboratory)
-    finally:
-        laboratory.close()
+    with pytest.raises(ConfigurationError, match=r"^sim:valve: .*'valve'.*trigger.*; correct"):
+        resolved("sim:valve", laboratory)
+    laboratory.close()
+
+
+@pytest.fixture
+def laboratory(tmp_path: Path) -> Iterator[Laboratory]:
+    opened = open_laboratory(tmp_path, {})
+    yield opened
+    opened.close()
+
+
+def test_a_slide_whose_port_is_another_devices_says_so_and_names_the_port(
+    configuration: Configuration, laboratory: Laboratory
+) -> None:
+    assert configuration.slide is not None
+    slide = configuration.slide.model_copy(update={"port": "sim:trigger"})
+    path = laboratory.port("trigger")
+    with pytest.raises(DeviceError, match=rf"^slide \(zaber\): .*another device may be on {path}"):
+        build_slide(slide, laboratory)
+
+
+@pytest.mark.parametrize("role", ["slide", "regulator", "solenoids", "recorder"])
+def test_a_trigger_whose_port_is_another_devices_says_so_and_names_the_port(
+    configuration: Configuration, laboratory: Laboratory, role: str
+) -> None:
+    trigger = configuration.trigger.model_copy(update={"port": f"sim:{role}"})
+    wired = configuration.model_copy(update={"trigger": trigger})
+    path = laboratory.port(role)
+    box = build_trigger(wired.trigger, laboratory)
+    with pytest.raises(
+        DeviceError, match=rf"^trigger \(trigger-box\): .*another device may be on {path}"
+    ):
+        box.make_safe()
+    box.close()

@@ -50,6 +50,16 @@ class TestFaults:
         assert "0.1 s" in str(caught.value)
         port.close()
 
+    @pytest.mark.parametrize("answer", [b"", b"HAL", b"\xff\n"])
+    def test_where_no_answer_is_due_another_device_may_be_on_the_port(
+        self, pty_device: MakeDevice, answer: bytes
+    ) -> None:
+        path = pty_device(lambda message: answer).path
+        port = opened(path)
+        with pytest.raises(DeviceError, match=f"another device may be on {path}"):
+            port.ask("HELLO")
+        port.close()
+
     def test_half_an_answer_is_shown(self, pty_device: MakeDevice) -> None:
         port = opened(pty_device(lambda message: b"HAL").path)
         with pytest.raises(DeviceAnswerError, match="HAL"):
