@@ -5,12 +5,14 @@ from __future__ import annotations
 import logging
 from dataclasses import dataclass
 from datetime import datetime
+from itertools import takewhile
 
 from rigctl.devices.roles import Trigger
 from rigctl.errors import DeviceError
 from rigctl.rig.standing import AFTER_STOP, Standing
 from rigctl.rig.states import LATCHED, Fired, RigState, ShotState
 from rigctl.rig.stopping.estop import EmergencyStop
+from rigctl.rig.stopping.latch import Latch
 from rigctl.store.catalogue import Change
 from rigctl.store.records import JournalEntry, ShotRecord
 from rigctl.store.states import RUNNING
@@ -116,20 +118,12 @@ def start(
         The store cannot be read or written.
     """
     recovery = close_open_shots(store, now)
-    entry, latch = _last_step(store), stop.latch
-    last = RigState.IDLE if entry is None else RigState(entry.after)
-    state = start_state(last, recovery, latched=latch is not None, clean=clean or entry is None)
-    reason = "the daemon started"
-    if latch is not None:
-        reason = latch.reason
-    elif state is RigState.UNKNOWN_OUTCOME and recovery.unknown:
-        reason = f"whether shot {', '.join(recovery.unknown)} fired is not known"
-    elif state is last and state in LATCHED and entry is not None:
-        reason = entry.reason
-    elif state is RigState.ESTOP:
-        reason = NOT_CLEAN
+    steps, latch = _recent_steps(store), stop.latch
+    last = RigState(steps[0].after) if steps else RigState.IDLE
+    state = start_state(last, recovery, latched=latch is not None, clean=clean or not steps)
+    reason, since = _cause(state, steps, latch, recovery)
     standing.last_shot(store.catalogue.last())
-    standing.start(last, state, reason)
+    standing.start(last, state, reason, since)
     acts = [trigger.make_safe]
     if state is RigState.ESTOP:
         acts.insert(0, lambda: stop.stop("rig", reason))
@@ -139,20 +133,34 @@ def start(
         for act in acts:
             act()
     except DeviceError as error:
-        _log.exception("the rig starts without one of its devices")
+        _log.exception("the rig starts without one of its devices: %s", error)
         if state is RigState.IDLE:
             standing.move(RigState.FAULT, "rig", str(error))
     return recovery
 
 
-def _last_step(store: Store) -> JournalEntry | None:
-    """Return the rig's last transition, past the notes that follow a stop."""
+def _recent_steps(store: Store) -> list[JournalEntry]:
+    """Return the rig's transitions, the last one first, without the notes that follow a stop."""
     last = store.journal.last()
-    if last is None or last.actor != AFTER_STOP:
-        return last
+    if last is None:
+        return []
     recent = store.journal.entries(after=max(0, last.number - NOTES), limit=NOTES)
-    steps = [entry for entry in recent if entry.actor != AFTER_STOP]
-    return steps[-1] if steps else last
+    return [entry for entry in reversed(recent) if entry.actor != AFTER_STOP] or [last]
+
+
+def _cause(
+    state: RigState, steps: list[JournalEntry], latch: Latch | None, recovery: Recovery
+) -> tuple[str, datetime | None]:
+    """Return why the rig starts in a state, and since when it is there; None: since this start."""
+    if latch is not None:
+        return latch.reason, datetime.fromisoformat(latch.at) if latch.at else None
+    if state is RigState.UNKNOWN_OUTCOME and recovery.unknown:
+        return f"whether shot {', '.join(recovery.unknown)} fired is not known", None
+    if state in LATCHED and steps and steps[0].after == state:
+        # Each start in between has written the same state once more.
+        lasting = list(takewhile(lambda step: step.after == state, steps))
+        return steps[0].reason, lasting[-1].at
+    return NOT_CLEAN if state is RigState.ESTOP else "the daemon started", None
 
 
 def start_state(last: RigState, recovery: Recovery, *, latched: bool, clean: bool) -> RigState:

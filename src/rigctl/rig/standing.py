@@ -152,11 +152,17 @@ class Standing:
             if self.state is not RigState.ESTOP or self._repeated.is_written():
                 self.move(RigState.ESTOP, actor, reason, shot)
 
-    def start(self, before: RigState, to: RigState, reason: str) -> None:
-        """Enter the state in which the rig starts, whatever it was when the last daemon ended."""
+    def start(
+        self, before: RigState, to: RigState, reason: str, since: datetime | None = None
+    ) -> None:
+        """Enter the state in which the rig starts, whatever it was when the last daemon ended.
+
+        `since` is when it came there, where that was before this start.
+        """
         with self.lock:
             self._status = replace(self._status, state=before)
             self._take(to, "rig", reason, None)
+            self._status = replace(self._status, since=since or self._status.since)
 
     def _take(self, to: RigState, actor: str, reason: str, shot: str | None) -> None:
         step = Transition(self.state, to, self._clock.wall(), actor, reason, shot)

@@ -128,6 +128,35 @@ def test_a_fault_outlives_the_daemon(lab: Laboratory) -> None:
     assert lab.shoot().state == "stored"
 
 
+def test_a_latch_has_the_time_and_reason_at_which_it_began_however_often_the_daemon_starts(
+    lab: Laboratory,
+) -> None:
+    lab.time.pass_time(60.0)
+    lab.regulator.errors["set_pressure"] = DeviceSilentError("gave no answer")
+    with pytest.raises(DeviceSilentError):
+        lab.arm()
+    lab.regulator.errors.clear()
+    failed_at = lab.time.wall()
+    for _ in range(3):
+        lab.time.pass_time(600.0)
+        lab.start_again()
+        status = lab.rig.status()
+        assert (status.state, status.since, status.latch_reason) == (
+            "fault",
+            failed_at,
+            "gave no answer",
+        )
+    lab.rig.release("anna", "plugged it in")
+    lab.time.pass_time(60.0)
+    lab.rig.estop("berta", "smoke")
+    stopped_at = lab.time.wall()
+    for _ in range(3):
+        lab.time.pass_time(600.0)
+        lab.start_again()
+        status = lab.rig.status()
+        assert (status.state, status.since, status.latch_reason) == ("estop", stopped_at, "smoke")
+
+
 def test_an_armed_rig_starts_idle_and_its_token_is_dead(lab: Laboratory) -> None:
     token = lab.arm()
     lab.start_again()
@@ -138,12 +167,15 @@ def test_an_armed_rig_starts_idle_and_its_token_is_dead(lab: Laboratory) -> None
 
 @pytest.mark.parametrize(("part", "call"), [("trigger", "make_safe"), ("cut_off", "restore")])
 def test_a_device_that_is_missing_at_the_start_is_a_fault_and_leaves_no_power(
-    lab: Laboratory, part: str, call: str
+    lab: Laboratory, part: str, call: str, caplog: pytest.LogCaptureFixture
 ) -> None:
     lab.close()
-    getattr(lab, part).errors[call] = DeviceSilentError("gave no answer")
+    error = DeviceSilentError("gave no answer", part=part, todo="look at its port")
+    getattr(lab, part).errors[call] = error
     lab.open()
     assert lab.state == "fault"
+    assert f"{part}: gave no answer" in caplog.text
+    assert "look at its port" in caplog.text
     assert lab.cut_off.power is False
     getattr(lab, part).errors.clear()
     lab.rig.release("anna", "plugged it in")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import ipaddress
 import os
+import shlex
 import signal
 import socket
 import ssl
@@ -28,6 +29,7 @@ from rigctl.errors import ConfigurationError
 from rigctl.jobs.worker_process import hide_from_jobs
 from rigctl.logs import LogFormat
 from rigctl.page.mounting import with_page
+from rigctl.rig.status import RigStatus
 from rigctl.service import keyfile
 from rigctl.service.app import create_app
 from rigctl.service.events import EventHub
@@ -242,6 +244,9 @@ def serve(
                 opened.callback(daemon.rig.listeners.add(logs.transition))
                 opened.callback(daemon.store.listeners.add(logs.shot))
                 typer.echo(_greeting(address, configuration, chosen=chosen is not None))
+                status = daemon.rig.status()
+                if status.latch_reason is not None:
+                    typer.echo(_latched(status, status.latch_reason, config))
                 for sweep in daemon.offered:
                     typer.echo(_offer(sweep))
                 server.run(sockets=[listening])
@@ -287,6 +292,15 @@ def _greeting(address: ServiceAddress, configuration: Configuration, *, chosen: 
     return (
         f"rigctl: {kind} {configuration.name!r} at {address.url}/?key={key}\n"
         f"rigctl: a POST to {address.stop_url}/ stops it, as does `rigctl stop`"
+    )
+
+
+def _latched(status: RigStatus, reason: str, config: Path | None) -> str:
+    named = "" if config is None else f" --config {shlex.quote(str(config))}"
+    return (
+        f"rigctl: the rig is latched ({status.state}) since {status.since:%Y-%m-%d %H:%M:%S} UTC "
+        f"and fires nothing: {reason}\n"
+        f'rigctl: look at it, then `rigctl release{named} "what was found and done"`'
     )
 
 
