@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -13,11 +13,13 @@ from pydantic_core import ErrorDetails
 from analysis import files
 from analysis.errors import InputError
 from rigctl.config.configuration import Configuration
+from rigctl.config.spelling import meant
 from rigctl.errors import ConfigurationError
 from rigctl.shipped import shipped
 
 Model = TypeVar("Model", bound=BaseModel)
 
+_UNKNOWN = {"extra_forbidden", "unexpected_keyword_argument"}
 _BOUNDS = {
     "gt": "more than {}",
     "ge": "at least {}",
@@ -99,7 +101,7 @@ def checked(form: type[Model], document: Mapping[str, Any], source: str) -> Mode
         # JSON mode: an array is a tuple there, and nothing else is converted.
         return form.model_validate_json(json.dumps(document, default=_no_dates))
     except ValidationError as error:
-        raise _first_error(error.errors(include_url=False), document, source) from error
+        raise _first_error(form, error.errors(include_url=False), document, source) from error
 
 
 def _no_dates(value: object) -> object:
@@ -109,10 +111,14 @@ def _no_dates(value: object) -> object:
 
 
 def _first_error(
-    errors: list[ErrorDetails], document: Mapping[str, Any], source: str
+    form: type[BaseModel], errors: list[ErrorDetails], document: Mapping[str, Any], source: str
 ) -> ConfigurationError:
+    # A key that is misspelt is the cause of the one that is missing, and so goes first.
+    errors = sorted(errors, key=lambda error: error["type"] not in _UNKNOWN)
     fields = [_field(error, document) for error in errors]
     first = errors[0]
+    if first["type"] in _UNKNOWN:
+        return _unknown_key(form, first, fields, document, source)
     missing = first["type"] in {"missing", "union_tag_not_found"}
     todo = "add it" if missing else "correct it"
     if len(errors) > 1:
@@ -124,6 +130,34 @@ def _first_error(
         limit=_limit(first),
         todo=todo,
     )
+
+
+def _unknown_key(
+    form: type[BaseModel],
+    error: ErrorDetails,
+    fields: list[str],
+    document: Mapping[str, Any],
+    source: str,
+) -> ConfigurationError:
+    *section, _ = error["loc"]
+    key = meant(form, error["loc"], _keys_at(document, section))
+    todo = "take it out, or correct it" if key is None else f"did you mean {key}?"
+    further = [field for field in fields[1:] if key is None or field.rpartition(".")[2] != key]
+    if further:
+        todo += f"; also {', '.join(further)}"
+    return ConfigurationError(
+        f"unknown key {fields[0]}", part=source, value=_value(error), todo=todo
+    )
+
+
+def _keys_at(document: object, place: Sequence[int | str]) -> tuple[str, ...]:
+    """Return the keys of a section; a tag that pydantic names on the way is no step of the file."""
+    for step in place:
+        if isinstance(step, int):
+            document = document[step] if isinstance(document, list) else None
+        elif isinstance(document, Mapping):
+            document = document.get(step, document)
+    return tuple(document) if isinstance(document, Mapping) else ()
 
 
 def _field(error: ErrorDetails, document: object) -> str:
@@ -150,8 +184,6 @@ def _clause(error: ErrorDetails) -> str:
         return "names nothing that exists"
     if error["type"] == "value_error":
         return str(error["ctx"]["error"])
-    if error["type"] in {"extra_forbidden", "unexpected_keyword_argument"}:
-        return "is not a field of this section"
     message = error["msg"]
     return message[0].lower() + message[1:]
 

@@ -101,7 +101,7 @@ def test_an_example_is_simulated_where_its_name_says_so() -> None:
         ("limits.settle_timeout_s", 0.0, ["limits.settle_timeout_s", "more than 0"]),
         ("limits.pressure_kpa", [9.0, 1.0], ["limits.pressure_kpa", "[9.0, 1.0]", "lower"]),
         ("limits.pressure_kpa", [9.0], ["limits.pressure_kpa[1]", "missing"]),
-        ("limits.pressure", 3.0, ["limits.pressure", "not a field"]),
+        ("limits.pressure", 3.0, ["unknown key limits.pressure", "3.0", "take it out"]),
         ("limits.offset_mm", ..., ["limits.offset_mm", "missing", "add it"]),
         ("trigger.driver", "gun", ["trigger.driver", "'gun'", "trigger-box"]),
         ("trigger.driver", ..., ["trigger.driver", "missing"]),
@@ -244,3 +244,39 @@ def test_whatever_stands_in_a_field_it_is_either_valid_or_a_configuration_error(
 def test_a_misspelt_field_is_refused_by_its_name(path: str) -> None:
     document = changed(SIMULATED, f"{path}x", 1)
     assert f"{path.rpartition('.')[2]}x" in str(refusal(document))
+
+
+@pytest.mark.parametrize(
+    ("path", "slip"),
+    [
+        ("trigger.pulse_us", "pluse_us"),
+        ("limits.cool_down_s", "cooldown_s"),
+        ("camera.recorder.answer_timeout_s", "answer_time_out_s"),
+        ("camera.remote_trigger.channel", "chanel"),
+        ("spheres.1.diameter_m", "diametre_m"),
+        ("environment.gravity_m_per_s2", "gravity_m_per_s"),
+        ("optics.front_view_rows", "front_view_row"),
+        ("trigger", "triger"),
+    ],
+)
+def test_a_slip_in_a_key_is_called_unknown_first_and_the_key_that_was_meant_is_named(
+    path: str, slip: str
+) -> None:
+    *sections, key = path.split(".")
+    document = changed(SIMULATED, path, ...)
+    document = changed(document, ".".join([*sections, slip]), 20000)
+    written = re.sub(r"\.(\d)", r"[\1]", ".".join([*sections, slip]))
+    sentence = str(refusal(document))
+    said = f"rig.toml: unknown key {written} (found 20000); did you mean {key}?"
+    assert sentence.startswith(said)
+    assert "missing" not in sentence
+
+
+def test_a_key_of_another_driver_is_not_what_was_meant() -> None:
+    slipped = changed(RELEASE, "trigger.pulse_uss", 20000)
+    assert "did you mean" not in str(refusal(slipped))
+
+
+def test_a_key_that_is_there_already_is_not_what_was_meant() -> None:
+    doubled = changed(SIMULATED, "trigger.pulse_uss", 20000)
+    assert "did you mean" not in str(refusal(doubled))

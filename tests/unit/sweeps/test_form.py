@@ -126,7 +126,7 @@ def test_a_range_may_fall() -> None:
         ("[0, 6]", "true", ["grid.offset_mm", "True"]),
         ("= 95", "= 4000", ["shots[0].pressure_a_kpa", "4000", "at most 1000"]),
         ("repeat = 2", "repeat = 0", ["shots[0].repeat", "found 0", "at least 1"]),
-        ("repeat = 2", "repeats = 2", ["shots[0].repeats", "not a field"]),
+        ("repeat = 2", "repeats = 2", ["unknown key shots[0].repeats", "did you mean repeat?"]),
         ("nylon-2", "a b", ["campaign", "'a b'"]),
         ("shuffle = false", "seed = -1", ["seed", "-1", "at least 0"]),
         ("count = 3", 'count = 3, spacing = "cubic"', ["spacing", "'cubic'", "'root'"]),
