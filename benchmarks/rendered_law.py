@@ -75,7 +75,7 @@ def fired(folder: Path, shots: int, hides: str, seed: int) -> PoseData:
                 pressure_b_kpa=float(pressure),
                 offset_mm=float(offset),
             )
-            names.append(rig.fire(rig.arm(settings), f"{CAMPAIGN}-{number}", CAMPAIGN))
+            names.append(rig.fire(rig.arm(settings).token, f"{CAMPAIGN}-{number}", CAMPAIGN))
             daemon.rig.wait(names[-1])
         states = [measured(rig, name, LONGEST_S)["state"] for name in names]
         print(f"{states.count('analysed')} of {shots} shots analysed", flush=True)

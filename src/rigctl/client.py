@@ -7,6 +7,7 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from datetime import datetime
 from pathlib import Path
 from types import TracebackType
 from typing import Any, BinaryIO, Self
@@ -17,6 +18,7 @@ import httpx
 from rigctl.access.strength import Chosen
 from rigctl.config import load
 from rigctl.errors import ConfigurationError, RefusedError, RigError, SettingsError
+from rigctl.rig.arming import Armed
 from rigctl.service import keyfile
 from rigctl.service.keyfile import ServiceAddress
 from rigctl.settings import ShotSettings
@@ -85,10 +87,16 @@ class ServiceClient:
     ) -> None:
         self._http.close()
 
-    def arm(self, settings: ShotSettings) -> str:
-        """Set the rig, wait until it has settled, and return the arm token."""
+    def arm(self, settings: ShotSettings) -> Armed:
+        """Set the rig, wait until it has settled, and return token and warnings."""
         body = settings.model_dump(exclude_none=True)
-        return str(self._ask("POST", "/rig/arm", body, timeout_s=_ARM_TIMEOUT_S)["arm_token"])
+        found = self._ask("POST", "/rig/arm", body, timeout_s=_ARM_TIMEOUT_S)
+        return Armed(
+            str(found["arm_token"]),
+            datetime.fromisoformat(found["expires_at"]),
+            float(found["expires_in_s"]),
+            tuple(found["warnings"]),
+        )
 
     def release(self, reason: str) -> dict[str, Any]:
         """Let the rig leave its latch and return its state."""

@@ -7,6 +7,7 @@ import uuid
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
+from rigctl.rig.arming import Armed
 from rigctl.settings import ShotSettings
 
 ON_THE_WAY = frozenset({"accepted", "firing", "capturing", "stored", "analysing"})
@@ -17,8 +18,8 @@ _POLL_S = 0.1
 class Operable(Protocol):
     """A rig to fire a shot with: behind a running daemon, or inside this process."""
 
-    def arm(self, settings: ShotSettings) -> str:
-        """Set the rig and return the arm token."""
+    def arm(self, settings: ShotSettings) -> Armed:
+        """Set the rig and return token and warnings."""
 
     def fire(self, token: str, key: str, campaign: str | None) -> str:
         """Fire once under this idempotency key and return the shot's id."""
@@ -37,17 +38,21 @@ def fire_and_wait(
     wait_s: float,
     progress: Callable[[str], None],
     *,
+    warn: Callable[[str], None] = lambda _: None,
     clock: Callable[[], float] = time.monotonic,
     pause: Callable[[float], None] = time.sleep,
 ) -> dict[str, Any]:
     """Fire one shot and return it as REST shows it, with its measurement under `result`.
 
-    The measurement is waited for at most `wait_s`; `result` is None when there is none.
+    The measurement is waited for at most `wait_s`; `result` is None when there is none. `warn` is
+    called before the fire, with what the rig says when it is armed.
     """
     progress("setting pressure and offset")
-    token = rig.arm(settings)
+    armed = rig.arm(settings)
+    for warning in armed.warnings:
+        warn(warning)
     progress("firing")
-    name = rig.fire(token, str(uuid.uuid4()), campaign)
+    name = rig.fire(armed.token, str(uuid.uuid4()), campaign)
     progress(f"shot {name}: waiting for its measurement")
     return measured(rig, name, wait_s, clock=clock, pause=pause)
 

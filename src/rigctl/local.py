@@ -14,6 +14,7 @@ from rigctl.config import load
 from rigctl.daemon import Daemon, open_daemon
 from rigctl.errors import RefusedError
 from rigctl.measuring.stored_shot import read_stored_shot
+from rigctl.rig.arming import Armed
 from rigctl.service.models import ShotOrder, ShotView
 from rigctl.settings import ShotSettings
 
@@ -24,9 +25,9 @@ class LocalRig:
     def __init__(self, daemon: Daemon, actor: str) -> None:
         self._daemon, self._actor = daemon, actor
 
-    def arm(self, settings: ShotSettings) -> str:
-        """Set the rig, wait until it has settled, and return the arm token."""
-        return self._daemon.rig.arm(settings, self._actor).token
+    def arm(self, settings: ShotSettings) -> Armed:
+        """Set the rig, wait until it has settled, and return token and warnings."""
+        return self._daemon.rig.arm(settings, self._actor)
 
     def fire(self, token: str, key: str, campaign: str | None) -> str:
         """Fire once under this idempotency key and return the shot's id."""
@@ -55,7 +56,7 @@ class LocalRig:
         RigError
             As `arm` and `fire`.
         """
-        shot = self._daemon.rig.wait(self.fire(self.arm(settings), str(uuid.uuid4()), None))
+        shot = self._daemon.rig.wait(self.fire(self.arm(settings).token, str(uuid.uuid4()), None))
         if shot.is_without_frames:
             raise RefusedError(
                 f"the shot ended as {shot.state}: {shot.failure}",

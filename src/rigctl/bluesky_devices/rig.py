@@ -228,7 +228,7 @@ class Rig(Readable[Any], Movable[Step], Triggerable, Stageable):
             progress = self._progress.setdefault(step.key, Progress())
             self._step = step
             if not progress.sent:
-                progress.token = self._client.arm(step.settings)
+                progress.token = self._client.arm(step.settings).token
 
     def _fire(self) -> None:
         with self._lock:

@@ -1,8 +1,8 @@
-"""Settings against the limits of this rig, before anything moves."""
+"""Settings against the limits and the spheres of this rig, before anything moves."""
 
 from __future__ import annotations
 
-from rigctl.config import Limits
+from rigctl.config import Configuration, Limits
 from rigctl.errors import SettingsError
 from rigctl.settings import ShotSettings
 
@@ -14,6 +14,8 @@ _FIELDS = (
     ("angle_a_deg", "angle_deg", "degrees"),
     ("angle_b_deg", "angle_deg", "degrees"),
 )
+
+OUTSIDE = "lies outside the rig's limits"
 
 
 def require_within(settings: ShotSettings, limits: Limits) -> None:
@@ -38,9 +40,34 @@ def require_within(settings: ShotSettings, limits: Limits) -> None:
             )
         if value is None or not bounds[0] <= value <= bounds[1]:
             raise SettingsError(
-                "is needed" if value is None else "lies outside the rig's limits",
+                "is needed" if value is None else OUTSIDE,
                 part=field,
                 value=None if value is None else f"{value:g} {unit}",
-                limit=f"{bounds[0]:g} to {bounds[1]:g} {unit}",
+                limit=allowed(field, limits),
                 todo="choose a value within the limits",
             )
+
+
+def allowed(field: str, limits: Limits) -> str | None:
+    """Return a setting's limits on this rig as text, with the unit; None where there are none."""
+    for name, limit, unit in _FIELDS:
+        bounds: tuple[float, float] | None = getattr(limits, limit)
+        if name == field and bounds is not None:
+            return f"{bounds[0]:g} to {bounds[1]:g} {unit}"
+    return None
+
+
+def misses(settings: ShotSettings, configuration: Configuration) -> tuple[str, ...]:
+    """Warn where the tubes stand further apart than the spheres reach; empty otherwise.
+
+    What flies level at one height touches what flies level at another only if the heights differ
+    by less than the sum of the radii. Nothing is refused: somebody may want just that.
+    """
+    a, b = configuration.spheres
+    reach_mm = 500.0 * (a.diameter_m + b.diameter_m)
+    if b.plate or abs(settings.offset_mm) < reach_mm:
+        return ()
+    return (
+        f"the spheres cannot meet in level flight: offset_mm is {settings.offset_mm:g} mm, the sum "
+        f"of their radii {reach_mm:.4g} mm",
+    )

@@ -14,7 +14,7 @@ from rigctl.devices.roles import Actuators, PowerQuery
 from rigctl.errors import DeviceError, InterlockError, RefusedError, RigError
 from rigctl.rig.adjusting import adjust
 from rigctl.rig.arming import Armed
-from rigctl.rig.bounds import require_within
+from rigctl.rig.bounds import misses, require_within
 from rigctl.rig.clock import SYSTEM_CLOCK, Clock
 from rigctl.rig.conditions import Conditions
 from rigctl.rig.firing import ShotRun
@@ -163,7 +163,9 @@ class Rig:
             conditions = self._conditions.all(settings)
             self._standing.found(conditions)
             self._require(conditions)
-            return self._readiness.give(settings, actor)
+            armed = self._readiness.give(settings, actor)
+            unmet = misses(settings, self._configuration)
+            return replace(armed, warnings=(*armed.warnings, *unmet))
 
     def disarm(self, actor: str, reason: str) -> None:
         """Withdraw the live token, if there is one."""

@@ -16,6 +16,7 @@ from starlette.responses import Response
 
 from rigctl.access.keyring import Keyring
 from rigctl.access.wrong_keys import MANY, WITHIN_S, WrongKeys
+from rigctl.config import Limits
 from rigctl.daemon import Daemon
 from rigctl.errors import RigError
 from rigctl.service.events import EventHub
@@ -110,7 +111,7 @@ def create_app(daemon: Daemon, key: str, hub: EventHub) -> FastAPI:
     app.include_router(health_routes(daemon, app.state.wrong_keys))
     app.include_router(metrics_route(metrics))
     app.include_router(front_route(daemon))
-    _answer_errors_as_problems(app)
+    _answer_errors_as_problems(app, daemon.configuration.limits)
     app.openapi = describe(app, daemon.configuration.limits)  # type: ignore[method-assign]
     app.include_router(openapi_route(app))
     app.add_middleware(BodyLimit)
@@ -131,14 +132,14 @@ def _log_wrong_keys(daemon: Daemon, address: str) -> None:
     threading.Thread(target=note, name="wrong keys", daemon=True).start()
 
 
-def _answer_errors_as_problems(app: FastAPI) -> None:
+def _answer_errors_as_problems(app: FastAPI, limits: Limits) -> None:
     @app.exception_handler(RigError)
     async def rig_error(_: Request, error: RigError) -> Response:
         return answer(from_error(error))
 
     @app.exception_handler(RequestValidationError)
     async def bad_request(_: Request, error: RequestValidationError) -> Response:
-        return answer(from_validation(error))
+        return answer(from_validation(error, limits))
 
     @app.exception_handler(HTTPException)
     async def framework_error(request: Request, error: HTTPException) -> Response:

@@ -10,6 +10,7 @@ from fastapi.exceptions import RequestValidationError
 from pydantic import BaseModel, ConfigDict, Field, computed_field
 from starlette.responses import Response
 
+from rigctl.config import Limits
 from rigctl.errors import (
     AnalysisInputError,
     ArmTokenError,
@@ -27,6 +28,7 @@ from rigctl.errors import (
     StoreError,
     StreamsFullError,
 )
+from rigctl.rig.bounds import OUTSIDE, allowed
 
 MEDIA_TYPE = "application/problem+json"
 
@@ -128,9 +130,12 @@ def unforeseen(error: Exception, *, todo: str) -> Problem:
     )
 
 
-def from_validation(error: RequestValidationError) -> Problem:
-    """Return the document of a request that cannot be: 422, or 400 for its idempotency key."""
-    fields = [_field_problem(found) for found in error.errors()]
+def from_validation(error: RequestValidationError, limits: Limits) -> Problem:
+    """Return the document of a request that cannot be: 422, or 400 for its idempotency key.
+
+    Of settings the limits of the rig are named, which are narrower than those of physics.
+    """
+    fields = [_field_problem(found, limits) for found in error.errors()]
     first = fields[0]
     if first.field == "Idempotency-Key":
         fault = "cannot be used" if first.value else "is missing"
@@ -193,7 +198,7 @@ _MEANINGS = {
 }
 
 
-def _field_problem(found: Mapping[str, Any]) -> FieldProblem:
+def _field_problem(found: Mapping[str, Any], rig: Limits) -> FieldProblem:
     place: Sequence[str | int] = found["loc"]
     context = found.get("ctx", {})
     if found["type"] == "json_invalid":
@@ -203,9 +208,13 @@ def _field_problem(found: Mapping[str, Any]) -> FieldProblem:
     inside = place[1:] if len(place) > 1 else place[:1]
     limits = [text.format(context[name]) for name, text in _BOUNDS.items() if name in context]
     missing = found["type"] == "missing"
+    detail = found["msg"][0].lower() + found["msg"][1:]
+    own = allowed(str(inside[-1]), rig)
+    if own is not None and {"ge", "le"} & set(context):
+        detail, limits = OUTSIDE, [own]
     return FieldProblem(
         field=".".join(str(step) for step in inside),
-        detail=found["msg"][0].lower() + found["msg"][1:],
+        detail=detail,
         value=None if missing else _shown(found.get("input")),
         limit=", ".join(limits) or None,
     )

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from typing import Any
 
 from rigctl.errors import RigError
+from rigctl.rig.arming import Armed
 from rigctl.settings import ShotSettings
 
 SETTINGS = ShotSettings(pressure_a_kpa=40, pressure_b_kpa=40, offset_mm=6)
@@ -31,10 +33,10 @@ class CountingRig:
     armed: list[ShotSettings] = field(default_factory=list)
     fires: list[tuple[str, str]] = field(default_factory=list)
 
-    def arm(self, settings: ShotSettings) -> str:
+    def arm(self, settings: ShotSettings) -> Armed:
         self.armed.append(settings)
         self.while_arming()
-        return f"token-{len(self.armed)}"
+        return Armed(f"token-{len(self.armed)}", datetime(2026, 1, 31, tzinfo=UTC), 10.0)
 
     def fire(self, token: str, key: str, campaign: str | None) -> str:
         self.fires.append((token, key))

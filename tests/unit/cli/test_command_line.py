@@ -3,8 +3,10 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+import tomllib
 from collections.abc import Mapping
 from contextlib import nullcontext
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +22,7 @@ from rigctl.cli.lazy import Command
 from rigctl.cli.rig import shot as shot_module
 from rigctl.cli.rig.shot import rounded, settings_of
 from rigctl.client import ServiceClient
+from rigctl.config import default_path
 from rigctl.errors import (
     ConfigurationError,
     DeviceError,
@@ -33,6 +36,7 @@ from rigctl.errors import (
     StoreError,
 )
 from rigctl.firing import fire_and_wait
+from rigctl.rig.arming import Armed
 from rigctl.service import keyfile
 from rigctl.service.keyfile import ServiceAddress
 from rigctl.service.problems import answer, from_error
@@ -88,6 +92,16 @@ BAD_INPUT = [
     (["serve", "--port", "70000"], "--port"),
     (["serve", "--config", "/nowhere/rig.toml"], "/nowhere/rig.toml"),
 ]
+
+
+@pytest.mark.parametrize("pressure", ["-3", "5000"])
+def test_a_setting_beyond_physics_is_refused_with_the_limits_of_the_rig(
+    pressure: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    low, high = tomllib.loads(default_path().read_text())["limits"]["pressure_kpa"]
+    assert cli.run(["shot", "--pressure-kpa", pressure, "--offset-mm", "6"]) == 2
+    said = capsys.readouterr().err
+    assert f"outside the rig's limits (found {float(pressure)}, allowed {low:g} to {high:g}" in said
 
 
 @pytest.mark.parametrize(("arguments", "named"), BAD_INPUT)
@@ -169,7 +183,7 @@ def test_a_fall_without_a_bounce_is_told_as_one(
         "result": {"impacts": [], "positions": {"frame": list(range(30))}},
     }  # fmt: skip
     monkeypatch.setattr(shot_module, "connected", lambda *_: nullcontext())
-    monkeypatch.setattr(shot_module, "fire_and_wait", lambda *_: document)
+    monkeypatch.setattr(shot_module, "fire_and_wait", lambda *_, **__: document)
     assert cli.run(["shot", "--pressure-kpa", "0", "--offset-mm", "0"]) == 0
     shown = " ".join(capsys.readouterr().out.split())
     assert "no bounce: a flight in 30 frames" in shown
@@ -185,7 +199,7 @@ def test_an_error_without_bound_is_shown_as_one(
         "result": {"e": {"value": 0.73, "sigma": None, "unit": "1"}},
     }  # fmt: skip
     monkeypatch.setattr(shot_module, "connected", lambda *_: nullcontext())
-    monkeypatch.setattr(shot_module, "fire_and_wait", lambda *_: document)
+    monkeypatch.setattr(shot_module, "fire_and_wait", lambda *_, **__: document)
     assert cli.run(["shot", "--pressure-kpa", "40", "--offset-mm", "6"]) == 0
     assert "0.73 inf" in " ".join(capsys.readouterr().out.split())
 
@@ -206,8 +220,8 @@ class Bench:
         self._states = states
         self.fired: list[tuple[str, str, str | None]] = []
 
-    def arm(self, settings: object) -> str:
-        return "token"
+    def arm(self, settings: object) -> Armed:
+        return Armed("token", datetime(2026, 1, 31, tzinfo=UTC), 10.0, ("keep clear",))
 
     def fire(self, token: str, key: str, campaign: str | None) -> str:
         self.fired.append((token, key, campaign))
@@ -222,18 +236,20 @@ class Bench:
 
 
 def settings() -> Any:
-    return settings_of(pressure_a_kpa=40, pressure_b_kpa=40, offset_mm=6, angle_a_deg=None)
+    return settings_of(None, pressure_a_kpa=40, pressure_b_kpa=40, offset_mm=6, angle_a_deg=None)
 
 
 def test_a_shot_is_fired_once_and_its_measurement_awaited() -> None:
     bench = Bench(["accepted", "capturing", "stored", "analysing", "analysed"])
     waited: list[float] = []
+    warned: list[tuple[str, int]] = []
     document = fire_and_wait(
         bench,
         settings(),
         "nylon-1",
         60.0,
         lambda _: None,
+        warn=lambda text: warned.append((text, len(bench.fired))),
         clock=lambda: sum(waited),
         pause=waited.append,
     )
@@ -241,6 +257,7 @@ def test_a_shot_is_fired_once_and_its_measurement_awaited() -> None:
     assert document["result"]["e"]["value"] == 0.74
     ((token, key, campaign),) = bench.fired
     assert (token, campaign, len(key)) == ("token", "nylon-1", 36)
+    assert warned == [("keep clear", 0)], "before the fire"
     assert len(waited) == 4
 
 

@@ -8,8 +8,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from rig_fakes import Laboratory, Part
+from rig_fakes import SETTINGS, Laboratory, Part
 
+from rigctl.config import load
 from rigctl.errors import DeviceSilentError, FramesError, InterlockError
 
 
@@ -166,3 +167,20 @@ def test_the_state_report_shows_value_limit_age_and_source_of_each(lab: Laborato
         "store",
         "clock",
     }
+
+
+@pytest.mark.parametrize(("offset_mm", "warned"), [(25.3, False), (25.5, True), (-25.5, True)])
+def test_an_offset_beyond_the_sum_of_the_radii_is_warned_of_and_not_refused(
+    tmp_path: Path, offset_mm: float, warned: bool
+) -> None:
+    configuration = load()
+    assert [sphere.diameter_m for sphere in configuration.spheres] == [0.0254, 0.0254]
+    limits = configuration.limits.model_copy(update={"offset_mm": (-30.0, 30.0)})
+    wide = configuration.model_copy(update={"limits": limits})
+    wide_lab = Laboratory(tmp_path / "wide", configuration=wide)
+    settings = SETTINGS.model_copy(update={"offset_mm": offset_mm})
+    armed = wide_lab.rig.arm(settings, "anna")
+    said = [text for text in armed.warnings if "cannot meet" in text]
+    assert bool(said) is warned
+    assert all("25.4 mm" in text and f"{offset_mm:g} mm" in text for text in said)
+    wide_lab.close()

@@ -1,9 +1,11 @@
 from __future__ import annotations
 
+import tomllib
 from typing import Any
 
 import pytest
 
+from rigctl.config import default_path
 from rigctl.errors import (
     DeviceSilentError,
     InterlockError,
@@ -77,7 +79,9 @@ def test_every_faulty_field_is_named_at_once(ask: Any) -> None:
         "extra",
     }
     first = next(e for e in problem["errors"] if e["field"] == "pressure_a_kpa")
-    assert (first["value"], first["limit"]) == ("-1", "at least 0.0")
+    low, high = tomllib.loads(default_path().read_text())["limits"]["pressure_kpa"]
+    assert (first["value"], first["limit"]) == ("-1", f"{low:g} to {high:g} kPa")
+    assert first["detail"] == "lies outside the rig's limits"
 
 
 @pytest.mark.parametrize("body", [b"", b"{", b"[]", b"7", b'"x"', b"\xff\xfe"])

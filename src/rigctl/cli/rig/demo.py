@@ -246,11 +246,11 @@ def _fire(daemon: Daemon, report: Callable[[str], None]) -> list[Json]:
     rig, names = LocalRig(daemon, "demo"), []
     for number, (pressure, offset) in enumerate(SWEEP, start=1):
         report(f"shot {number} of {len(SWEEP)}")
-        token = rig.arm(
+        armed = rig.arm(
             ShotSettings(pressure_a_kpa=pressure, pressure_b_kpa=pressure, offset_mm=offset)
         )
         # Each shot of the demo has one key, so that none can fire twice.
-        names.append(rig.fire(token, f"{CAMPAIGN}-{number}", CAMPAIGN))
+        names.append(rig.fire(armed.token, f"{CAMPAIGN}-{number}", CAMPAIGN))
         daemon.rig.wait(names[-1])
     report("waiting for the measurements")
     return [measured(rig, name, LONGEST_ANALYSIS_S) for name in names]

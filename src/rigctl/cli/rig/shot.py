@@ -16,9 +16,11 @@ from rich.table import Table
 from rigctl.cli.options import Config, Json, Key, KeyFile, given_key
 from rigctl.cli.output import print_json, progress
 from rigctl.client import connected
+from rigctl.config import load
 from rigctl.errors import NotFoundError, RefusedError, SettingsError
 from rigctl.firing import ON_THE_WAY, Operable, fire_and_wait
 from rigctl.plain_text import require_word
+from rigctl.rig.bounds import OUTSIDE, allowed
 from rigctl.settings import ShotSettings
 
 _WITHOUT_FRAMES = frozenset({"misfire", "aborted", "unknown_outcome", "interrupted"})
@@ -74,6 +76,7 @@ def shot(
         The shot was fired, and there is no measurement of it.
     """
     settings = settings_of(
+        config,
         pressure_a_kpa=pressure_kpa,
         pressure_b_kpa=pressure_kpa if pressure_b_kpa is None else pressure_b_kpa,
         offset_mm=offset_mm,
@@ -85,7 +88,7 @@ def shot(
         require_word(campaign, "is not a campaign's name", "campaign", todo="choose another name")
     rig = _local(config) if local else connected(config, given_key(key, key_file))
     with rig as opened, progress() as report:
-        document = fire_and_wait(opened, settings, campaign, wait_s, report)
+        document = fire_and_wait(opened, settings, campaign, wait_s, report, warn=_warn)
     _print(document, as_json=json)
     _require_measured(document)
 
@@ -99,13 +102,19 @@ def _local(config: Path | None) -> AbstractContextManager[Operable]:
     return opened(config)
 
 
-def settings_of(**fields: float | None) -> ShotSettings:
+def _warn(text: str) -> None:
+    typer.echo(f"rigctl: warning: {text}", err=True)
+
+
+def settings_of(config: Path | None, **fields: float | None) -> ShotSettings:
     """Return checked settings; a field that is None is left out.
 
     Raises
     ------
     SettingsError
-        A value is not a finite number within the bounds of physics.
+        A value is not a finite number within the bounds of physics; the rig's own limits are named.
+    ConfigurationError
+        The configuration, which states them, cannot be.
     """
     given = {name: value for name, value in fields.items() if value is not None}
     try:
@@ -113,10 +122,14 @@ def settings_of(**fields: float | None) -> ShotSettings:
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         name = str(first["loc"][0])
+        limit = allowed(name, load(config).limits)
+        # The bounds of physics are wider: they would name a limit that is none of this rig's.
+        beyond = limit is not None and first["type"] in {"greater_than_equal", "less_than_equal"}
         raise SettingsError(
-            first["msg"][0].lower() + first["msg"][1:],
+            OUTSIDE if beyond else first["msg"][0].lower() + first["msg"][1:],
             part=name,
             value=str(first["input"]),
+            limit=limit,
             todo="choose another value",
         ) from error
 
