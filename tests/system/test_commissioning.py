@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from tests.invoked import rigctl
 from tests.system.real_rig import RealRig, real_rig, until
 
 SETTINGS = {"pressure_a_kpa": 40.0, "pressure_b_kpa": 40.0, "offset_mm": 6.0}
@@ -185,6 +186,9 @@ def test_what_was_seen_outlasts_a_restart_and_stands_in_a_signed_record(seen: Re
     assert set(ANNA) <= set(record["people"])
     assert record["firmware"] == {"trigger": "RIGTRIG 2 2"}
     assert seen.command("commission", "--verify", "record.json").returncode == 0
+    elsewhere = rigctl("commission", "--verify", path, folder=seen.folder / "laboratory")
+    assert elsewhere.returncode == 3
+    assert "name with --config" in elsewhere.stderr
     record["people"] = ["Somebody Else"]
     path.write_text(json.dumps(record))
     forged = seen.command("commission", "--verify", "record.json")
@@ -205,6 +209,22 @@ def test_a_changed_configuration_asks_for_what_it_changes_alone(seen: RealRig) -
     seen.end()
     seen.edit("microsteps_per_mm = 2015.7", "microsteps_per_mm = 2015.75")
     seen.start()
+    assert missing(seen) == []
+
+
+@pytest.mark.parametrize(
+    ("words", "status", "said"),
+    [
+        (["lamp", "--note", "new"], 4, "lamp: is no part of this rig (limit cut-off, trigger"),
+        (["trigger"], 2, "note: is empty; say with --note what was done"),
+    ],
+)
+def test_what_cannot_have_been_rewired_is_refused_before_anybody_is_asked_for_a_name(
+    seen: RealRig, words: list[str], status: int, said: str
+) -> None:
+    told = seen.command("commission", "--rewired", *words, typed="")
+    assert (told.returncode, "Who looks" in told.stdout) == (status, False)
+    assert said in told.stderr
     assert missing(seen) == []
 
 

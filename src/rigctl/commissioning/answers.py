@@ -163,5 +163,9 @@ def read_record(path: Path, store: Path) -> tuple[dict[str, Any], str, str]:
         ) from error
     seal = read_seal(store)
     if seal is None:
-        raise StoreError("the key of the audit is missing", part=str(store), todo="name the store")
+        raise StoreError(
+            "no store with a key of the audit is here",
+            part=str(store),
+            todo="name with --config the configuration of the rig that wrote the record",
+        )
     return document, given, signature(seal, document)

@@ -14,7 +14,7 @@ from rigctl.cli.output import print_json, print_line
 from rigctl.client import ServiceClient, connected
 from rigctl.commissioning.answers import read_record, write_record
 from rigctl.config import load
-from rigctl.errors import RefusedError, SettingsError
+from rigctl.errors import NotFoundError, RefusedError, SettingsError
 
 _WAYS = "y yes, n no, r do it again, l leave it asked for, q end here"
 
@@ -50,14 +50,17 @@ def commission(
     ------
     RefusedError
         A step is not as it must be, or a record's signature does not fit.
+    NotFoundError
+        The rig has no such part.
     SettingsError
-        Nobody is named, or a record is none.
+        Nobody is named, nothing is said of what was done, or a record is none.
     """
     if verify is not None:
         _verify(verify, Path(load(config).store.folder))
         return
     with connected(config, given_key(key, key_file)) as daemon:
         if rewired is not None:
+            _require_part(daemon, rewired, note)
             daemon.rewired(rewired, _people(person), note)
         elif not listed and record is None:
             _walk(daemon, _people(person))
@@ -70,6 +73,17 @@ def commission(
         _list(found)
     else:
         _print_end(found, record)
+
+
+def _require_part(daemon: ServiceClient, part: str, note: str) -> None:
+    """Refuse what the daemon would refuse, before anybody is asked for a name."""
+    parts = list(dict.fromkeys(step["part"] for step in daemon.commissioning()["steps"]))
+    if part not in parts:
+        raise NotFoundError(
+            "is no part of this rig", part=part, limit=", ".join(parts), todo="name one of them"
+        )
+    if not note.strip():
+        raise SettingsError("is empty", part="note", todo="say with --note what was done")
 
 
 def _people(given: list[str] | None) -> list[str]:

@@ -87,7 +87,8 @@ def _print(stands: Mapping[str, Any]) -> None:
     if stands["picture"] is not None:
         print_line(f"picture {stands['picture']}, {stands['picture_s']:.4f} s from the first")
     if stands["marks"]:
-        print_line(f"marks: {', '.join(map(str, stands['marks']))}")
+        pictures = "picture" if len(stands["marks"]) == 1 else "pictures"
+        print_line(f"marked at {pictures} {', '.join(map(str, stands['marks']))}")
     for session in stands["sessions"]:
         print_line(f"  session {session['session']}: {session['pictures']} pictures")
     if stands["gamma"] is not None:

@@ -133,10 +133,12 @@ class Keys:
         self._stands.set_text(
             f"{found.mode}: session {found.session} with {found.pictures} pictures{at}"
         )
-        marks = ", ".join(map(str, found.marks)) or "none"
+        pictures = "picture" if len(found.marks) == 1 else "pictures"
+        marks = ", ".join(map(str, found.marks))
         self._tape.set_text(
             f"Tape {found.place}, {len(found.sessions)} sessions, {found.seconds_left:.1f} s left; "
-            f"a shot needs {found.needed_s:.1f} s. Marks of the session: {marks}."
+            f"a shot needs {found.needed_s:.1f} s. "
+            + (f"The session is marked at {pictures} {marks}." if marks else "No mark.")
         )
         self._agreed.set_value(found.erases_when_full)
 
