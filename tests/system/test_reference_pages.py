@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 
@@ -36,6 +36,7 @@ from rigctl.service.sweep_models import MeanView, StepView, SweepTable, SweepVie
 from rigctl.settings import ShotSettings
 from rigctl.store.states import SHOT_TRANSITIONS
 from rigctl.store.sweep_states import STEP_TRANSITIONS, SWEEP_TRANSITIONS
+from tests import invoked
 from tests.system.test_documentation import DOCS, ROOT, SWEEPS
 
 
@@ -145,6 +146,30 @@ def test_the_recovery_guide_has_every_error_and_every_state_that_a_person_ends()
     assert {kind.code for kind in errors(RigError)} <= listed
     waits = {named(state).pop() for state, *_ in rows(guide, "The rig waits for a person")}
     assert waits == set(LATCHED)
+
+
+def test_the_guide_to_a_real_rig_shows_every_key_of_the_recorder() -> None:
+    usage = invoked.rigctl("recorder", "--help").stdout
+    keys = re.search(r"One of (.*?); without one", " ".join(usage.split()))
+    assert keys is not None
+    text = (DOCS / "how-to" / "real-rig.md").read_text(encoding="utf-8")
+    shown = set(re.findall(r"^rigctl recorder ([a-z-]+)", text, re.MULTILINE))
+    assert set(keys[1].split(", ")) <= shown | {"stop"}
+    assert "stop ends it" in text
+
+
+def test_the_list_of_parts_has_every_section_that_names_a_device() -> None:
+    listed = rows(DOCS / "how-to" / "real-rig.md", "Parts")
+    assert all(len(row) == 5 for row in listed)
+    text = " ".join(f"{part} {section}" for part, section, *_ in listed)
+    drivers = {
+        text
+        for kind in (sections.TriggerBox, sections.SolenoidPair, sections.Magnet)
+        for text in get_args(kind.model_fields["driver"].annotation)
+    }
+    assert drivers <= named(text)
+    for section in ("trigger", "regulator", "slide", "cut_off", "camera"):
+        assert f"[{section}]" in named(text)
 
 
 def test_every_word_of_the_glossary_is_one_of_the_code() -> None:
