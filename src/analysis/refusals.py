@@ -49,6 +49,25 @@ def check_between(contact: float, poses: ShotPoses, before: Frames, after: Frame
         )
 
 
+def check_parting(impact: Impact, poses: ShotPoses, before: Frames, after: Frames) -> None:
+    """Refuse where the paths after the contact part far from the kink: then they are wrong."""
+    if impact.duration is None:
+        return
+    times_s, allowed = poses.times_s, IMPOSSIBLE_SIGMAS * impact.duration.sigma
+    parting = impact.contact_time.value + impact.duration.value
+    allowed += MISMATCH_FRAMES * float(np.median(np.diff(times_s)))
+    if times_s[before[-1]] - allowed <= parting <= times_s[after[0]] + allowed:
+        return
+    raise ShotRefusedError(
+        "contact",
+        f"the spheres touch at {1e3 * impact.contact_time.value:.2f} ms and by their paths after "
+        f"it part at {1e3 * parting:.2f} ms, but the film shows them apart from "
+        f"{1e3 * times_s[after[0]]:.2f} ms on; one of the tracks after the contact is wrong: look "
+        "at the film, and for something that looks like a sphere",
+        int(poses.frames[after[0]]),
+    )
+
+
 def check_enough(poses: ShotPoses, side: Side, sphere: int | None) -> None:
     """Refuse too few frames on a side, of a sphere or of both together."""
     clear, whose = len(side.rows), ""

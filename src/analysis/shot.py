@@ -197,17 +197,52 @@ def analyse_shot(
     The measured shot, or a refusal with the step that failed, the frame and the reason. Nothing
     is guessed and nothing is raised for what the frames hold.
     """
-    chosen, tracking, above = options or AnalysisOptions(), None, first_row(setup.camera)
+    chosen, above = options or AnalysisOptions(), first_row(setup.camera)
     try:
         check_frames(frames, times_s, setup)
         frames, setup = stated_view(frames, setup)
-        elapsed_s = times_s - times_s[0]
+    except ShotRefusedError as refusal:
+        return _refused(refusal, None, above)
+    film = frames, times_s - times_s[0], above
+    found = _measured(film, setup, chosen, known, extend=extend)
+    if isinstance(found, MeasuredShot) or known is None or found.tracking is None:
+        return found
+    if chosen.method == "thesis" or found.tracking.learned_alone:
+        return found
+    # What others have taught may be wrong of this side of a sphere; the film may show it better.
+    alone = _measured(film, setup, chosen, None, unlike=found.reason)
+    return alone if isinstance(alone, MeasuredShot) else found
+
+
+def _measured(
+    film: tuple[Grey, Floats, int],
+    setup: Setup,
+    chosen: AnalysisOptions,
+    known: Appearance | None,
+    *,
+    extend: bool = False,
+    unlike: str = "",
+) -> MeasuredShot | RefusedShot:
+    """Measure a film in the stated view.
+
+    Parameters
+    ----------
+    film
+        Frames, their times from the first, and the row of the whole picture that theirs begin at.
+    unlike
+        Why a shot is learned by itself where others are known.
+    """
+    frames, elapsed_s, above = film
+    tracking = None
+    try:
         if chosen.method == "thesis":
             edges, matching = chosen.edges or EdgeSettings(), chosen.matching or "pattern"
             tracking = track_spheres(frames, elapsed_s, setup, edges, matching)
             known = None
         else:
-            tracking, known = _rendered(frames, elapsed_s, setup, known, extend=extend)
+            tracking, known = _rendered(
+                frames, elapsed_s, setup, known, extend=extend, unlike=unlike
+            )
         one_body_frame = known is not None and not tracking.learned_alone
         slow = slow_errors(tracking, setup, one_body_frame=one_body_frame)
         poses = ShotPoses.of_tracks(tracking.centres, tracking.orientations, elapsed_s)
@@ -258,6 +293,7 @@ def _rendered(
     known: Appearance | None,
     *,
     extend: bool,
+    unlike: str,
 ) -> tuple[Tracking, Appearance | None]:
     """Return poses by the photometric method; of spheres without markers, places by outlines."""
     # Loading compiled functions is slow; the thesis method needs none of these.
@@ -265,7 +301,7 @@ def _rendered(
     from analysis.photometric.method import measure_poses  # noqa: PLC0415
 
     try:
-        return measure_poses(frames, elapsed_s, setup, known, extend=extend)
+        return measure_poses(frames, elapsed_s, setup, known, extend=extend, unlike=unlike)
     except ShotRefusedError as refusal:
         if refusal.step != "markers":
             raise

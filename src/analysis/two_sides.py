@@ -36,6 +36,7 @@ from analysis.refusals import (
     check_between,
     check_enough,
     check_free_flight,
+    check_parting,
     check_possible,
     check_seen,
     never_meet,
@@ -145,6 +146,7 @@ def measure_two_sides(
         motions = _without_spins(motions, false)
         impact = _impact(motions, scene, depth_seen=depth_seen)
     check_possible(impact)
+    check_parting(impact, left, *(side.rows for side in sides))
     return TwoSides(
         impact=impact,
         used_before=_numbers(left, sides[0].rows),

@@ -197,6 +197,7 @@ def measure_poses(
     known: Appearance | None,
     *,
     extend: bool = False,
+    unlike: str = "",
 ) -> tuple[Tracking, Appearance]:
     """Measure the poses of a pair: as it is known, or learned from this shot where it is not.
 
@@ -204,6 +205,8 @@ def measure_poses(
     ----------
     extend
         Let the shot add markers to what is known: those on a side that none has shown before.
+    unlike
+        Why the shot is learned by itself although others are known.
 
     Returns
     -------
@@ -214,7 +217,7 @@ def measure_poses(
     ShotRefusedError
         With the step, the frame and the reason.
     """
-    film, unlike = None, ""
+    film = None
     if known is not None:
         # Other spheres, or another place of the camera: the shot is learned by itself.
         try:

@@ -130,3 +130,21 @@ def test_no_poses_at_all_are_refused_in_words() -> None:
     scene = Scene.of(SETUP, SETUP.measurement)
     with pytest.raises(ShotRefusedError, match="no frame shows both spheres"):
         measure_two_sides(empty, scene)
+
+
+@pytest.mark.parametrize("overlap_m", [-0.002, 0.002])
+def test_tracks_that_part_long_before_or_after_their_kink_are_refused(
+    measured: MeasuredShot, overlap_m: float
+) -> None:
+    poses, impact = poses_of(measured), measured.impact
+    position = poses.position.copy()
+    after = np.flatnonzero(np.isin(poses.frames, measured.used_after))
+    first, since = after[0], poses.times_s[after] - poses.times_s[after[0]]
+    # b leaves a at 0.1 m/s along the normal, from a place that overlaps a or is short of it.
+    reach = sum(Scene.of(SETUP, measured.slow).radii) - overlap_m
+    apart = (reach + 0.1 * since)[:, None] * impact.normal
+    position[after, 1] = position[after, 0] + apart
+    wrong = replace(poses, position=position)
+    assert np.isfinite(poses.position_sigma[first]).all()
+    with pytest.raises(ShotRefusedError, match="by their paths after it part at"):
+        measure_two_sides(wrong, Scene.of(SETUP, measured.slow))
