@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import signal
 import subprocess
 from collections.abc import Iterator
@@ -23,6 +24,7 @@ FIRST_USE_MS = 400_000
 expect.set_options(timeout=EXPECT_MS)
 WIDE = {"width": 1280, "height": 800}
 PORT = ("--port", "0")
+SIMULATED = Path(__file__).parents[2] / "config" / "simulated.toml"
 OWN_EFFECT = """\
 from dataclasses import replace
 
@@ -77,13 +79,18 @@ class Served:
 def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     """Serve all modules that mind no shots and no fits of each other: a start costs some seconds.
 
-    The daemon has a folder of the user's own effects, of which one is of no use.
+    The daemon has a folder of the user's own effects, of which one is of no use, and waits for
+    frames as long as a busy host needs: a shot that is aborted is one too few for a page.
     """
     folder = tmp_path_factory.mktemp("shared")
     (folder / "effects").mkdir()
     (folder / "effects" / "warmth.py").write_text(OWN_EFFECT)
     (folder / "effects" / "unfinished.py").write_text("import numpy\n\nEFFECT = numpy.nothing\n")
-    running = Served.start(folder, *PORT, "--effects", "effects")
+    usual = SIMULATED.read_text(encoding="utf-8")
+    patient, changed = re.subn(r"collect_timeout_s = .*", "collect_timeout_s = 120.0", usual)
+    assert changed == 1
+    (folder / "rig.toml").write_text(patient, encoding="utf-8")
+    running = Served.start(folder, "--config", "rig.toml", *PORT, "--effects", "effects")
     yield running
     running.end()
 
