@@ -23,7 +23,6 @@ FIRST_USE_MS = 400_000
 """Of what waits for the first analysis on a machine: a busy one compiles for four minutes."""
 expect.set_options(timeout=EXPECT_MS)
 WIDE = {"width": 1280, "height": 800}
-PORT = ("--port", "0")
 SIMULATED = Path(__file__).parents[2] / "config" / "simulated.toml"
 OWN_EFFECT = """\
 from dataclasses import replace
@@ -51,28 +50,38 @@ LOOPBACK = {"127.0.0.1", None}
 
 @dataclass
 class Served:
-    """A running daemon: its address, the folder that it runs in, and its process."""
+    """A running daemon: its address, its folder, its process and options but for the port."""
 
     url: str
     folder: Path
     process: subprocess.Popen[str]
+    options: tuple[str, ...] = ()
 
     @classmethod
-    def start(cls, folder: Path, *options: str) -> Served:
+    def start(cls, folder: Path, *options: str, port: int = 0) -> Served:
         """Start a daemon and wait for the address that it prints."""
-        process, url = started(folder, options or PORT)
-        return cls(url, folder, process)
+        process, url = started(folder, (*options, "--port", str(port)))
+        return cls(url, folder, process, options)
 
     def start_again(self) -> None:
         """Start a daemon at the same address once this one has ended."""
         self.end()
-        self.process = self.start(self.folder, "--port", str(urlsplit(self.url).port)).process
+        again = self.start(self.folder, *self.options, port=urlsplit(self.url).port or 0)
+        self.process = again.process
 
     def end(self) -> None:
         """End it; a killed or halted one as well."""
         self.process.send_signal(signal.SIGCONT)
         self.process.terminate()
         self.process.communicate(timeout=WAIT_S)
+
+
+def patient_configuration() -> str:
+    """Return the default configuration with as long a wait for frames as a busy host needs."""
+    usual = SIMULATED.read_text(encoding="utf-8")
+    patient, changed = re.subn(r"collect_timeout_s = .*", "collect_timeout_s = 120.0", usual)
+    assert changed == 1
+    return patient
 
 
 @pytest.fixture(scope="session")
@@ -86,11 +95,8 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     (folder / "effects").mkdir()
     (folder / "effects" / "warmth.py").write_text(OWN_EFFECT)
     (folder / "effects" / "unfinished.py").write_text("import numpy\n\nEFFECT = numpy.nothing\n")
-    usual = SIMULATED.read_text(encoding="utf-8")
-    patient, changed = re.subn(r"collect_timeout_s = .*", "collect_timeout_s = 120.0", usual)
-    assert changed == 1
-    (folder / "rig.toml").write_text(patient, encoding="utf-8")
-    running = Served.start(folder, "--config", "rig.toml", *PORT, "--effects", "effects")
+    (folder / "rig.toml").write_text(patient_configuration(), encoding="utf-8")
+    running = Served.start(folder, "--config", "rig.toml", "--effects", "effects")
     yield running
     running.end()
 

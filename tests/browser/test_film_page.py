@@ -15,7 +15,7 @@ from tests.telephones import configure, film
 @pytest.fixture(scope="module")
 def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     folder = tmp_path_factory.mktemp("telephone")
-    running = Served.start(folder, "--config", str(configure(folder)), "--port", "0")
+    running = Served.start(folder, "--config", str(configure(folder)))
     yield running
     running.end()
 

@@ -5,27 +5,27 @@ from __future__ import annotations
 import os
 import signal
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import Served
+from tests.browser.conftest import Served, patient_configuration
 
 pytestmark = pytest.mark.long
 
 LONG_MS = 60_000
 SILENT_MS = 15_000
 SILENCE = "nothing on this page is live"
-CONFIGURATION = Path(__file__).parents[2] / "config" / "simulated.toml"
 DEAF = 'method = "photometric"\ntimeout_s = 0.001'
 
 
 @pytest.fixture(scope="module")
 def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     """Serve for those who end the daemon."""
-    running = Served.start(tmp_path_factory.mktemp("faults"))
+    folder = tmp_path_factory.mktemp("faults")
+    (folder / "rig.toml").write_text(patient_configuration(), encoding="utf-8")
+    running = Served.start(folder, "--config", "rig.toml")
     yield running
     running.end()
 
@@ -126,14 +126,7 @@ def test_an_interlock_that_refuses_is_marked_and_says_what_to_do(page: Page, ser
 
 def start_with(served: Any, line: str, other: str) -> None:
     """Start the daemon anew at the same address with another line in its configuration."""
-    text = CONFIGURATION.read_text()
+    text = patient_configuration()
     assert line in text
     (served.folder / "rig.toml").write_text(text.replace(line, other))
-    served.end()
-    started = served.start(served.folder, "--config", "rig.toml", *port(served))
-    served.process = started.process
-
-
-def port(served: Any) -> tuple[str, str]:
-    """Return the option that starts a daemon at the same address."""
-    return "--port", served.url.rpartition(":")[2]
+    served.start_again()
