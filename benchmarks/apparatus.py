@@ -6,6 +6,7 @@ beta, how far they lie off the truth in their own standard errors (root mean squ
 and their median errors; below, the same in the part of these errors that belongs to the shot
 alone, without what all shots share (scale, drag); every refused shot with its reason; and what
 processor time a shot took, the start of the daemon and its workers among it.
+--seed draws another world; --keep FOLDER keeps its shots; --each prints what every shot is off.
 Ends 1 if a number is off by more than four of its errors, or no shot of an apparatus was measured.
 """
 
@@ -77,11 +78,12 @@ class Found:
     own_sigma: dict[str, list[float]] = field(default_factory=lambda: {name: [] for name in NAMES})
     measured: int = 0
     refused: list[str] = field(default_factory=list)
+    each: list[str] = field(default_factory=list)
     cpu_s: float = 0.0
 
     def add(self, impact: Json, truth: Json) -> None:
         """Add one impact; what is not known has no value."""
-        e = -truth["v_n_after"] / truth["v_n"]
+        e, words = -truth["v_n_after"] / truth["v_n"], []
         beta = -truth["v_s_after"] / truth["v_s"] if truth["v_s"] else np.nan
         for name, true in (("e", e), ("v_n", truth["v_n"]), ("beta", beta)):
             own = impact.get(name) or {}
@@ -94,6 +96,8 @@ class Found:
                 if sigma:
                     off[name].append((own["value"] - true) / sigma)
                     errors[name].append(sigma)
+            words.append(f"{name} {own['value']:.5f}({own['sigma']:.5f}), true {true:.5f}")
+        self.each.append("; ".join(words))
 
     @property
     def holds(self) -> bool:
@@ -122,12 +126,12 @@ def fire(daemon: Daemon, settings: ShotSettings, truths: Path, found: Found) -> 
         found.add(impact, true)
 
 
-def measure(name: str, count: int) -> Found:
+def measure(name: str, count: int, seed: int | None = None, keep: Path | None = None) -> Found:
     """Fire the shots of one apparatus, in a store of their own."""
     found, began_s = Found(), _cpu_s()
     with tempfile.TemporaryDirectory() as temporary:
-        folder = Path(temporary)
-        configuration = _in_store(load(CONFIG / f"{name}.toml"), folder / "data")
+        folder = keep / name if keep else Path(temporary)
+        configuration = _in_store(load(CONFIG / f"{name}.toml"), folder / "data", seed)
         with open_daemon(configuration) as daemon:
             truths = folder / "data/laboratory/truth/truth.jsonl"
             for settings in shots_of(name, count):
@@ -166,14 +170,19 @@ def main() -> int:
     asked = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     asked.add_argument("--shots", type=int, default=6)
     asked.add_argument("--only", choices=APPARATUS)
+    asked.add_argument("--seed", type=int, help="of the simulated world (the configuration's)")
+    asked.add_argument("--keep", type=Path, metavar="FOLDER", help="keep the shots there")
+    asked.add_argument("--each", action="store_true", help="print every shot")
     options = asked.parse_args()
     logs.set_up("text")
     heads = "   ".join(f"{name + ': rms, worst, σ':>20}" for name in NAMES)
     print(f"{'apparatus':<18} measured {heads}   CPU s a shot")
     all_found: dict[str, Found] = {}
     for name in APPARATUS if options.only is None else (options.only,):
-        found = all_found[name] = measure(name, options.shots)
+        found = all_found[name] = measure(name, options.shots, options.seed, options.keep)
         print(line(name, options.shots, found), flush=True)
+        for shot in found.each if options.each else ():
+            print(f"    {shot}", flush=True)
         for reason in found.refused:
             print(f"    refused: {reason}", flush=True)
     OUT.parent.mkdir(parents=True, exist_ok=True)
@@ -197,11 +206,15 @@ def _settings(
     )
 
 
-def _in_store(configuration: Configuration, folder: Path) -> Configuration:
-    """Return a configuration with its store in a folder, and time for a world on a busy host."""
+def _in_store(configuration: Configuration, folder: Path, seed: int | None) -> Configuration:
+    """Return a configuration with its store and seed, and time for a world on a busy host."""
     camera = configuration.camera.model_copy(update={"collect_timeout_s": WAIT_S / 4})
     store = StoreSection(folder=str(folder))
-    return configuration.model_copy(update={"store": store, "camera": camera})
+    simulation = configuration.simulation
+    if simulation is not None and seed is not None:
+        simulation = simulation.model_copy(update={"seed": seed})
+    changed = {"store": store, "camera": camera, "simulation": simulation}
+    return configuration.model_copy(update=changed)
 
 
 def _unseen(*_: object) -> None:

@@ -74,6 +74,7 @@ class SweepView(View):
     current: StepView | None = Field(description="the step under way")
     left_s: float | None = Field(description="estimated time to its end, s")
     mean: MeanView | None = Field(description="the coefficient that ends it, as known so far")
+    warnings: list[str] = Field(description="of its steps, in the answer to its start")
 
     @classmethod
     def of(cls, status: SweepStatus) -> Self:
@@ -87,6 +88,7 @@ class SweepView(View):
             current=None if status.step is None else StepView.of(status.step),
             left_s=status.left_s,
             mean=None if status.mean is None else MeanView.of(status.mean),
+            warnings=list(status.warnings),
         )
 
 

@@ -193,7 +193,10 @@ class Sweep(StrictModel):
                 self.grid.settings()
             except ValidationError as error:
                 first = error.errors()[0]
-                message = f"grid: {first['loc'][0]} of {first['input']}: {first['msg'].lower()}"
+                message = (
+                    f"grid: {first['loc'][0]} of {first['input']}: {first['msg'].lower()} for any "
+                    "rig; this one's own limits are in [limits] of its configuration"
+                )
                 raise ValueError(message) from error
         return self
 

@@ -6,9 +6,10 @@ import json
 from dataclasses import asdict, dataclass
 from typing import Literal
 
-from rigctl.config import Limits
+from analysis.errors import counted
+from rigctl.config import Configuration, Limits
 from rigctl.errors import SettingsError
-from rigctl.rig.bounds import require_within
+from rigctl.rig.bounds import misses, require_within
 from rigctl.settings import ShotSettings
 from rigctl.sweeps.form import Sweep
 
@@ -89,6 +90,16 @@ def plan_of(form: Sweep) -> Plan:
         adaptive=until is not None and until.adaptive,
     )
     return Plan(tuple(form.steps()), rules, form.model_dump_json(), form.campaign)
+
+
+def warnings_of(plan: Plan, configuration: Configuration) -> tuple[str, ...]:
+    """Warn of steps whose spheres cannot meet in level flight, with their number; empty without."""
+    unmet = [found for step in plan.steps for found in misses(step, configuration)]
+    if not unmet:
+        return ()
+    return (
+        f"{len(unmet)} of {counted(len(plan.steps), 'shot')} will miss; of the first, {unmet[0]}",
+    )
 
 
 def require_possible(plan: Plan, limits: Limits) -> None:

@@ -15,7 +15,7 @@ from rigctl.rig.machine import Rig
 from rigctl.rig.states import LATCHED
 from rigctl.store import NewSweep, StepState, Store, SweepRecord, SweepState
 from rigctl.sweeps.orders import Order, Orders, Wish
-from rigctl.sweeps.plan import Plan, require_possible
+from rigctl.sweeps.plan import Plan, require_possible, warnings_of
 from rigctl.sweeps.run import Ending, SweepRun
 from rigctl.sweeps.status import SweepStatus
 from rigctl.sweeps.stepping import end_taken
@@ -131,7 +131,7 @@ class SweepRunner:
             sweep, known = self._store.sweeps.accept(key, body_hash, describe)
             if not known:
                 self._begin(sweep)
-        return self.status(sweep.id)
+        return replace(self.status(sweep.id), warnings=warnings_of(plan, self._configuration))
 
     def pause(self, sweep: str, actor: str) -> SweepStatus:
         """Fire nothing more of a sweep until it is resumed; a shot under way still ends.

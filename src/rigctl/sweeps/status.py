@@ -25,6 +25,8 @@ class SweepStatus:
         Estimated time to its end, s; None while unknown.
     mean
         The coefficient that ends the sweep, as known so far; None without one.
+    warnings
+        What is foreseen of its steps, known where it was just started.
     """
 
     record: SweepRecord
@@ -32,3 +34,4 @@ class SweepStatus:
     step: StepRecord | None = None
     left_s: float | None = None
     mean: Mean | None = None
+    warnings: tuple[str, ...] = ()

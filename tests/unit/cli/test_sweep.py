@@ -22,7 +22,7 @@ ONE, TWO = "20260131-s0001", "20260131-s0002"
 def view(name: str, state: str, stored: int, **changes: Any) -> dict[str, Any]:
     counts = {str(each): 0 for each in StepState} | {"stored": stored, "waiting": 4 - stored}
     found = {"sweep": name, "state": state, "reason": "so it is", "asked": None, "steps": 4}
-    return {**found, "counts": counts, "left_s": None, "mean": None, **changes}
+    return {**found, "counts": counts, "left_s": None, "mean": None, "warnings": [], **changes}
 
 
 class Daemon:

@@ -119,7 +119,10 @@ def run(
     form = _of_ranges(ranges, order) if file is None else _of_file(file, ranges)
     with connected(config, given_key(key, key_file)) as daemon:
         document = form.model_dump(mode="json", exclude_defaults=True)
-        name = str(daemon.start_sweep(document, str(uuid.uuid4()))["sweep"])
+        started = daemon.start_sweep(document, str(uuid.uuid4()))
+        for warning in started["warnings"]:
+            typer.echo(f"rigctl: warning: {warning}", err=True)
+        name = str(started["sweep"])
         if not detach:
             _watch(daemon, name)
         found = _show(daemon, name, as_json=json)

@@ -21,7 +21,7 @@ from rigctl.page.parts.tables import Cell, Line, facts
 from rigctl.page.parts.widgets import button, plot
 from rigctl.page.sweeps.plots import covers, grid
 from rigctl.sweeps.form import Sweep
-from rigctl.sweeps.plan import plan_of, require_possible
+from rigctl.sweeps.plan import plan_of, require_possible, warnings_of
 
 MOST_LEVELS = 50
 MOST_REPEATS = 100
@@ -89,8 +89,9 @@ class SweepForm:
     def _follow(self) -> None:
         try:
             sweep = self._sweep()
-            require_possible(plan_of(sweep), self._desk.daemon.configuration.limits)
-            said = counted(sweep.count(), "shot")
+            plan, configuration = plan_of(sweep), self._desk.daemon.configuration
+            require_possible(plan, configuration.limits)
+            said = ". ".join([counted(sweep.count(), "shot"), *warnings_of(plan, configuration)])
         except ValidationError as error:
             sweep, said = None, str(error.errors()[0]["msg"])
         except RigError as error:
