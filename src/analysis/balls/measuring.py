@@ -121,7 +121,7 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
     told = None if exposure_s is not None else placer.learn_exposure(windows, motion, period)
     bare = placed = _free(placer.place(windows, motion), chain)
     leans: Leans | None = None
-    flights, told_by, own, row_time = None, placed, windows, 0.0
+    flights, told_by, earlier, own, row_time = None, placed, placed, windows, 0.0
     coefficients: list[Floats] = []
     for repeat in range(MOST_REPEATS if len(chain.times_s) else 0):
         head = film.head
@@ -138,7 +138,7 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
         fitted = fit_flights(observed, start, stated, flights)
         if fitted is None:
             break
-        flights, told_by = fitted, placed
+        flights, told_by, earlier = fitted, placed, told_by
         coefficients.append(flights.contacts[:, 3] / flights.contacts[:, 1])
         settled = _last_change(coefficients).max() < SETTLED_E
         if repeat == MOST_REPEATS - 1 or (settled and repeat + 1 >= REPEATS):
@@ -153,9 +153,9 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
         placed = placer.place(own, motion, row_time)
         if leans is None:
             leans = leans_of(placer, (own, motion, row_time), placed)
-    unsettled, moved = np.zeros(0), np.zeros((2, 0, 2))
+    unsettled, moved = np.zeros(0), np.zeros((3, 0, 2))
     if flights is not None:
-        moved = shifts(looks, bare, flights)
+        moved = shifts(looks, (bare, earlier, told_by), flights)
         unsettled = _last_change(coefficients)
     return MeasuredBall(
         search=found,

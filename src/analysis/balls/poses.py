@@ -21,7 +21,6 @@ Json = dict[str, Any]
 
 UNBENDING = 8
 """Steps in which a lens's bending of a few per cent is undone to rounding."""
-SPEED_STEP_S = 1e-4
 LEAST_E = 3e-4
 """Error of e whose bent flights are the least that single films leave: radius, outlines and light
 bend flights in ways that e does not feel, and the drag of the air does."""
@@ -90,9 +89,6 @@ def _in_plane(flights: Flights, times: Floats) -> Floats:
     rise = path.rise(values)
     straight[:, 0] += rise * (found[:, 2] - 1.0)
     straight[:, 0] /= 1.0 + rise * values[path.PERSPECTIVE]
-    ahead, behind = (flights.at(times + h, flights.arcs) for h in (SPEED_STEP_S, -SPEED_STEP_S))
-    falling = (ahead[:, 0] - behind[:, 0]) / (2 * SPEED_STEP_S) * found[:, 2]
-    straight[:, 0] -= values[path.BIAS] * np.abs(falling)
     return np.asarray(straight)
 
 

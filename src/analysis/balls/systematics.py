@@ -21,6 +21,8 @@ NEIGHBOURS = 3
 LEAST_SQUARE = 1e-12
 MOST_BY_RADIUS = 2.0
 """Of the radius's change: a place whose rim is seen on one side alone moves by about 1 of it."""
+LIGHT = 2
+"""Which of the shifts is that by all of the ball's light."""
 MOST_BY_LIGHT = 0.03
 """Of the radius: a smooth shading that is further off than that has lost the rim."""
 
@@ -83,7 +85,7 @@ def _smooth(moved: Floats) -> Floats:
     return smooth
 
 
-def shifts(looks: Looks, bare: Placed, flights: Flights) -> Floats:
+def shifts(looks: Looks, taught: tuple[Placed, Placed, Placed], flights: Flights) -> Floats:
     """Return by how much each place moves with the ball's radius and with its light.
 
     A smooth shading alone takes part of a limb's fading for the rim. Radius and light move all
@@ -91,22 +93,23 @@ def shifts(looks: Looks, bare: Placed, flights: Flights) -> Floats:
 
     Parameters
     ----------
-    bare
-        Places fitted before the film had taught the ball's light.
+    taught
+        Places fitted before the film had taught the ball's light, before it taught that last, and
+        with all that it taught.
 
     Returns
     -------
-    Of each cause and observed place, px; shape (2, N, 2).
+    By the radius, by what was taught last, and by the light, of each observed place, px; shape
+    (3, N, 2).
     """
     placed = flights.observed
     leans = np.zeros_like(placed.places) if placed.leans is None else placed.leans
+    bare, earlier, last = taught
+    by_last = _moved(last.frames, last.places, earlier)[np.isin(last.frames, placed.frames)]
     by_light = _moved(placed.frames, placed.places, bare)
-    return np.stack(
-        [
-            leans * looks.radius_sigma_px / looks.radius_px,
-            _at_most(by_light, MOST_BY_LIGHT * looks.radius_px),
-        ]
-    )
+    most = MOST_BY_LIGHT * looks.radius_px
+    by_radius = leans * looks.radius_sigma_px / looks.radius_px
+    return np.stack([by_radius, _at_most(by_last, most), _at_most(by_light, most)])
 
 
 def _at_most(moved: Floats, most: float) -> Floats:
@@ -124,11 +127,31 @@ def _moved(frames: NDArray[np.intp], places: Floats, other: Placed) -> Floats:
 
 
 def whole_sigmas(flights: Flights, moved: Floats) -> Floats:
-    """Return standard errors of places: scatter about the flights and what moves all alike."""
-    return np.asarray(np.sqrt(flights.scatter**2 + (moved**2).sum(axis=0)))
+    """Return standard errors of places: scatter about the flights and what moves all alike.
+
+    What the fit took out of places has the errors of its numbers.
+    """
+    taken = _variances(flights.taken_slopes, flights.covariance)
+    return np.asarray(np.sqrt(flights.scatter**2 + taken + (moved**2).sum(axis=0)))
 
 
 def apart_sigmas(flights: Flights, moved: Floats) -> Floats:
-    """Return standard errors of places beside one another, without what moves all alike."""
-    own = moved[0] - np.median(moved[0], axis=0)
-    return np.asarray(np.hypot(flights.scatter, own))
+    """Return standard errors of places beside one another: without a shift and a scale of all.
+
+    Radius, outlines, smears and a light that is not learned to its end bend a row of places; what
+    of that a shift of all and a change in proportion to row and column would do is left out.
+    """
+    bends = np.concatenate([flights.taken_slopes, moved[:LIGHT].transpose(1, 2, 0)], axis=2)
+    design = np.column_stack([np.ones(len(bends)), flights.observed.places])
+    for axis in range(2):
+        weights = 1.0 / flights.scatter[:, axis, None]
+        alike = np.linalg.lstsq(weights * design, weights * bends[:, axis], rcond=None)[0]
+        bends[:, axis] -= design @ alike
+    taken = _variances(bends[..., :-LIGHT], flights.covariance)
+    own = (bends[..., -LIGHT:] ** 2).sum(axis=2)
+    return np.asarray(np.sqrt(flights.scatter**2 + taken + own))
+
+
+def _variances(slopes: Floats, covariance: Floats) -> Floats:
+    """Return variances of places that depend on numbers with errors, shape (N, 2)."""
+    return np.asarray(np.einsum("nap,pq,naq->na", slopes, covariance, slopes))

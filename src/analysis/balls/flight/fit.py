@@ -185,7 +185,7 @@ def _described(problem: Problem, values: Floats, chosen: _Chosen) -> Flights:
     observed, free = problem.observed, problem.free
     found, contacts = problem.predict(values, arcs)
     residuals = observed.places - found[:, :2]
-    place_slopes, contact_slopes = _slopes(problem, values, arcs)
+    place_slopes, contact_slopes, taken_slopes = _slopes(problem, values, arcs)
     own = residuals / (observed.sigmas * enlarge)
     enlarge = enlarge * _enlarged(own, arcs, used, int(free.sum()))
     errors = (observed.sigmas * enlarge)[used]
@@ -214,7 +214,8 @@ def _described(problem: Problem, values: Floats, chosen: _Chosen) -> Flights:
         covariance=covariance,
         contacts=contacts,
         contact_slopes=contact_slopes,
-        observed=replace(observed, places=observed.places - problem.moved(natural, found)),
+        observed=replace(observed, places=observed.places - problem.taken(values, arcs)),
+        taken_slopes=taken_slopes,
         arcs=arcs,
         used=used,
         residuals=residuals,
@@ -228,10 +229,14 @@ def _described(problem: Problem, values: Floats, chosen: _Chosen) -> Flights:
     )
 
 
-def _slopes(problem: Problem, values: Floats, arcs: Ints) -> tuple[Floats, Floats]:
-    """Return derivatives of places and contacts to the fit's numbers, by central differences."""
+def _slopes(problem: Problem, values: Floats, arcs: Ints) -> tuple[Floats, Floats, Floats]:
+    """Return derivatives to the fit's numbers, by central differences.
+
+    Of places, of contacts, and of what is taken out of places.
+    """
     count = len(values)
     place_slopes = np.zeros((len(arcs), 2, count))
+    taken_slopes = np.zeros_like(place_slopes)
     contact_slopes = np.zeros((problem.bounces, 6, count))
     for p in np.flatnonzero(problem.free).tolist():
         step = 1e-3 * problem.units[p]
@@ -242,7 +247,9 @@ def _slopes(problem: Problem, values: Floats, arcs: Ints) -> tuple[Floats, Float
         low, low_contacts = problem.predict(below, arcs)
         place_slopes[..., p] = (high - low)[:, :2] / (2 * step)
         contact_slopes[..., p] = (high_contacts - low_contacts) / (2 * step)
-    return place_slopes, contact_slopes
+        taken = problem.taken(above, arcs) - problem.taken(below, arcs)
+        taken_slopes[..., p] = taken / (2 * step)
+    return place_slopes, contact_slopes, taken_slopes
 
 
 def _enlarged(scaled: Floats, arcs: Ints, used: NDArray[np.bool_], numbers: int) -> Floats:

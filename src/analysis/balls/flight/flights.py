@@ -90,8 +90,10 @@ class Flights:
         Of each bounce as `path.places` gives them, shape (B, 6), and their derivatives to the
         values, shape (B, 6, P).
     observed, arcs, used
-        What was fitted, with what outlines did to places taken out; which flight each place belongs
-        to, and which places counted.
+        What was fitted, with what outlines and smears did to places taken out; which flight each
+        place belongs to, and which places counted.
+    taken_slopes
+        Derivatives of what was taken out of places to the fit's numbers, px, shape (N, 2, P).
     residuals
         Place less model, px, shape (N, 2).
     sigma_scale
@@ -113,6 +115,7 @@ class Flights:
     contacts: Floats
     contact_slopes: Floats
     observed: Observed
+    taken_slopes: Floats
     arcs: Ints
     used: NDArray[np.bool_]
     residuals: Floats

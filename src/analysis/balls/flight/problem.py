@@ -141,6 +141,14 @@ class Problem:
         leans = self.observed.leans
         return np.zeros((len(found), 2)) if leans is None else -leans * outlines(own, found)
 
+    def taken(self, values: Floats, arcs: Ints) -> Floats:
+        """Return what outlines and a smear's uneven light do to places, px, shape (N, 2)."""
+        level = values.copy()
+        level[path.BIAS] = 0.0
+        bare, contacts = np.zeros((len(arcs), 3)), np.zeros((self.bounces, 6))
+        path.places(self.natural(level), self.times(values), arcs, bare, contacts)
+        return np.asarray(self.predict(values, arcs)[0][:, :2] - bare[:, :2])
+
     def assign(self, values: Floats) -> tuple[Ints, NDArray[np.bool_]]:
         """Return which flight each place belongs to, and which lie clear of all contacts."""
         times = self.times(values)

@@ -8,11 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from analysis.arrays import Floats
 from analysis.balls.flight import path
 from analysis.balls.flight.fit import fit_flights
 from analysis.balls.flight.flights import Flights, Observed, Start
 from analysis.balls.flight.known import Ball, Known, View
-from analysis.balls.systematics import whole_sigmas
+from analysis.balls.systematics import apart_sigmas, whole_sigmas
 
 SCALE, FALL = 1000.0, 9806.65
 PLATE, RATE = 400.0, 240.0
@@ -22,7 +23,9 @@ Law = list[tuple[float, float, float]]
 """Of each bounce time, speed towards the plate and away, m/s."""
 
 
-def parabolas(rng: np.random.Generator, law: Law = BOUNCES, lasts_s: float = 0.95) -> Observed:
+def parabolas(
+    rng: np.random.Generator, law: Law = BOUNCES, lasts_s: float = 0.95, noise: float = NOISE
+) -> Observed:
     """Places of a ball in a vacuum: pieces of parabolas that meet the plate."""
     times = np.arange(0, lasts_s, 1 / RATE)
     rows = np.empty(len(times))
@@ -35,7 +38,7 @@ def parabolas(rng: np.random.Generator, law: Law = BOUNCES, lasts_s: float = 0.9
             begun, down, _ = law[0]
             rows[k] = PLATE + SCALE * down * (t - begun) + 0.5 * FALL * (t - begun) ** 2
     places = np.stack([rows, 100 + 20 * times], axis=1)
-    places += NOISE * rng.standard_normal(places.shape)
+    places += noise * rng.standard_normal(places.shape)
     return Observed(np.arange(len(times)), times, places, np.full(places.shape, NOISE))
 
 
@@ -163,9 +166,51 @@ def test_a_shift_of_all_places_enlarges_their_errors() -> None:
     flights = fit_flights(parabolas(np.random.default_rng(9)), start(), known())
     assert flights is not None
     shift = np.full_like(flights.observed.places, 0.3)
-    sigmas = whole_sigmas(flights, np.stack([shift, np.zeros_like(shift)]))
+    sigmas = whole_sigmas(flights, np.stack([shift, *np.zeros((2, *shift.shape))]))
     assert (sigmas > 0.3).all()
     assert (sigmas < 0.31).all()
+
+
+def test_the_bow_of_an_unknown_focal_length_is_part_of_the_errors_of_places() -> None:
+    pulls: list[float] = []
+    for seed in range(12):
+        rng = np.random.default_rng([11, seed])
+        clean, true = parabolas(rng), parabolas(rng, noise=0.0).places
+        focal = 479.0 / math.sqrt(0.3 * math.exp(1.2 * rng.standard_normal()))
+        longer = 0.5 * ((clean.places - np.array([239.5, 99.5])) / focal) ** 2
+        leans = np.tile([-10.0, -5.0], (len(longer), 1))
+        seen = replace(clean, places=clean.places - leans * longer, leans=leans)
+        flights = fit_flights(seen, start(), known())
+        assert flights is not None
+        sigmas = apart_sigmas(flights, np.zeros((3, *leans.shape)))
+        chosen = np.isin(clean.frames, flights.observed.frames)
+        off = flights.observed.places - true[chosen]
+        pulls += but_for_shift_and_scale(off, true[chosen], sigmas)[flights.used].ravel().tolist()
+    assert 0.7 < np.sqrt(np.mean(np.square(pulls))) < 1.3
+
+
+def test_places_are_where_a_ball_is_whose_smear_is_brighter_at_one_end() -> None:
+    exposure = 0.003
+    seen = parabolas(np.random.default_rng(12), noise=0.002)
+    true = parabolas(np.random.default_rng(12), noise=0.0).places
+    shift = 0.006 * exposure * np.abs(np.gradient(true[:, 0], seen.times_s))
+    seen.places[:, 0] += shift
+    flights = fit_flights(seen, start(), known(exposure_s=exposure))
+    assert flights is not None
+    off = (flights.observed.places - true)[flights.used, 0]
+    assert shift.max() > 0.04
+    assert abs(off.mean()) < 0.3 * shift.mean()
+
+
+def but_for_shift_and_scale(off: Floats, places: Floats, sigmas: Floats) -> Floats:
+    """Errors in their standard errors without what a shift and a scale of all would do."""
+    pulls = np.empty_like(off)
+    design = np.column_stack([np.ones(len(off)), places])
+    for axis in range(2):
+        own = design / sigmas[:, axis, None]
+        told = np.linalg.lstsq(own, off[:, axis] / sigmas[:, axis], rcond=None)[0]
+        pulls[:, axis] = off[:, axis] / sigmas[:, axis] - own @ told
+    return pulls
 
 
 @pytest.mark.parametrize(
