@@ -51,6 +51,8 @@ def test_a_law_is_proposed_beside_unexplained_with_where_the_shots_are_for_that_
     expect(page.get_by_test_id("explained")).to_contain_text(
         "something is missing that the catalogue does not hold", timeout=LONG_MS
     )
+    # Next shots and steps say the same as the verdict.
+    expect(page.get_by_test_id("next-text")).to_contain_text("would show better what it goes with")
     page.get_by_test_id("propose").click(timeout=LONG_MS)
     said = page.get_by_test_id("proposed")
     expect(said).to_contain_text("depends on speed_n", timeout=LONG_MS)

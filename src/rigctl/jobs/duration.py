@@ -28,10 +28,14 @@ FIRM_SHARE = 0.5
 
 @dataclass(frozen=True, slots=True)
 class Wait:
-    """How far a job is: seconds gone since it was asked, and left; None where nobody can say."""
+    """How far a job is: seconds gone since it was asked, and left; None where nobody can say.
+
+    `is_late` is whether it has taken longer than others of its kind.
+    """
 
     gone_s: float
     left_s: float | None
+    is_late: bool = False
 
     @property
     def share(self) -> float | None:
@@ -82,7 +86,7 @@ def wait_of(job: Job, others: Iterable[Job], now: datetime) -> Wait:
     if job.share is not None and job.share >= FIRM_SHARE:
         usual = ran / job.share
     if usual is None or ran > WRONG_BY * usual:
-        return Wait(gone, None)
+        return Wait(gone, None, is_late=usual is not None)
     return Wait(gone, max(1.0, usual - ran))
 
 

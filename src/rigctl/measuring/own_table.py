@@ -56,12 +56,26 @@ class Meaning:
     likely: tuple[str, ...] = ()
 
 
+NAMES_BEFORE = (
+    *("vn", "vbefore", "vin", "before", "approach", "approachspeed", "speedbefore"),
+    *("velocitybefore", "impactspeed", "impactvelocity", "incoming"),
+)
+NAMES_AFTER = (
+    *("vnafter", "vafter", "vout", "after", "parting", "partingspeed", "speedafter"),
+    *("velocityafter", "rebound", "reboundspeed", "reboundvelocity", "outgoing"),
+)
 NOT_USED, SETTING = "", "setting"
 MEANINGS = {
     NOT_USED: Meaning("not used", NUMBER),
-    "v_n": Meaning("approach speed", SPEED, ("vn", "approachspeed", "speedbefore", "vbefore")),
+    "v_n": Meaning(
+        "approach speed",
+        SPEED,
+        NAMES_BEFORE,
+    ),
     "v_n_after": Meaning(
-        "parting speed", SPEED, ("vnafter", "partingspeed", "speedafter", "vafter", "rebound")
+        "parting speed",
+        SPEED,
+        NAMES_AFTER,
     ),
     "v_s": Meaning("sliding speed before", SPEED, ("vs", "slidingbefore", "slidingspeed")),
     "v_s_after": Meaning("sliding speed after", SPEED, ("vsafter", "slidingafter")),
@@ -284,14 +298,15 @@ def _number(text: str, name: str) -> float:
 
 
 def _plain(name: str) -> tuple[str, str]:
-    """Return the letters of a column's name, and its unit in brackets or behind the last sign."""
+    """Return the letters of a column's name, and its unit: in brackets, or its last word."""
     bare, _, unit = name.strip().partition("(")
     if not unit:
         bare, _, unit = name.strip().partition("[")
     unit = unit.strip(" )]")
     for known in (u for kind in UNITS.values() for u in kind if u):
-        if not unit and bare.lower().endswith("_" + known.replace("/s", "_per_s")):
-            bare, unit = bare[: -len(known.replace("/s", "_per_s")) - 1], known
+        for written in (f"_{known.replace('/s', '_per_s')}", f" {known}"):
+            if not unit and bare.lower().endswith(written):
+                bare, unit = bare[: -len(written)].rstrip(" ,;:"), known
     return re.sub(r"[^a-z]", "", bare.lower()), unit
 
 

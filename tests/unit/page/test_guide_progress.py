@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from datetime import UTC, datetime
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
 from rigctl.config import Limits
-from rigctl.page.guide.rail import COMPARE, FIRE, OVER, READ, SWEEP, progress_of
+from rigctl.page.guide.rail import COMPARE, FIRE, OVER, READ, SWEEP, first_words, progress_of
 from rigctl.page.sweeps.broad import broad_sweep
+from rigctl.rig.states import RigState
 from rigctl.store import CampaignRecord, ShotState
 from rigctl.sweeps.plan import plan_of, require_possible
 
@@ -43,6 +46,25 @@ def test_the_campaign_with_most_measured_shots_is_the_one_that_is_compared() -> 
 
 def test_whoever_has_compared_is_through_wherever_the_shots_came_from() -> None:
     assert progress_of([], any_measured=False, compared=True).step == OVER
+
+
+@pytest.mark.parametrize(
+    ("state", "shot", "said"),
+    [
+        (RigState.IDLE, None, "press Arm, then Fire"),
+        (RigState.ARMED, None, "now press Fire"),
+        (RigState.CAPTURING, ShotState.CAPTURING, "the spheres fly"),
+        (RigState.IDLE, ShotState.ANALYSING, "Its pictures are measured now"),
+        (RigState.IDLE, ShotState.REFUSED, "press Arm, then Fire"),
+    ],
+)
+def test_the_guide_says_what_is_done_with_the_first_shot_just_now(
+    state: RigState, shot: ShotState | None, said: str
+) -> None:
+    status: Any = SimpleNamespace(
+        state=state, last_shot=None if shot is None else SimpleNamespace(state=shot)
+    )
+    assert said in first_words(status)
 
 
 @pytest.mark.parametrize(("fired_here", "done"), [(True, [1, 2, 3, 4]), (False, [4])])

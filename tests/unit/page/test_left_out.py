@@ -24,4 +24,9 @@ def test_frames_with_the_same_reason_are_one_note_and_no_reason_is_lost() -> Non
         f"frames 111–113, 119 have {DIM}",
         "the stated rate and the times of the frames disagree",
     ]
+    wild = [f"frame {k} left out for sphere a: off its free flight" for k in (40, 41, 42)]
+    assert gathered([*wild, "frame 53 left out: exposed during the contact"]) == [
+        "frames 40–42 left out for sphere a: off its free flight",
+        "frame 53 left out: exposed during the contact",
+    ]
     assert gathered([]) == []

@@ -5,8 +5,10 @@ from __future__ import annotations
 import pytest
 
 from rigctl.challenge import HiddenEffect
-from rigctl.page.model.challenge_panel import beside_truth
+from rigctl.jobs.duration import Wait
+from rigctl.page.model.challenge_panel import beside_truth, hidden_size
 from rigctl.page.model.compare import is_unexpected
+from rigctl.page.parts.waiting import said_of
 
 HIDDEN = HiddenEffect(effect="drag", amplitude=0.4, unit="1", meaning="drag coefficient")
 
@@ -33,3 +35,16 @@ def test_the_truth_of_a_challenge_stands_beside_the_fit_with_their_distance() ->
 
 def test_a_hidden_effect_that_nobody_added_has_nothing_beside_it() -> None:
     assert beside_truth(HIDDEN, {"e": {"value": 0.7, "sigma": 0.1}}) == ("not added", "")
+
+
+def test_a_wait_is_called_longer_than_usual_only_where_it_is_known_what_is_usual() -> None:
+    assert said_of(Wait(1.0, None)) == "1 s gone. You can go on reading."
+    assert "longer than usual" in said_of(Wait(9.0, None, is_late=True))
+
+
+def test_hidden_and_answered_sizes_are_said_by_what_they_do() -> None:
+    hidden = HiddenEffect(effect="friction-speed", amplitude=0.1, unit="1", meaning="change of mu")
+    # 0.1 ln 5 is 16 %.
+    assert hidden_size(hidden, 0.74) == "Friction at 5 m/s is 16 % more than at 1 m/s. Size: 0.1."
+    unknown = HiddenEffect(effect="warmth", amplitude=-0.1, unit="1/K", meaning="change of e")
+    assert hidden_size(unknown, 0.74) == "Size: −0.1 1/K (change of e)."

@@ -38,6 +38,7 @@ def fits(draw: st.DrawFn, added: tuple[str, ...]) -> Json:
     return {
         "findings": findings,
         "shots": draw(st.integers(1, 40)),
+        "degrees_of_freedom": 100,
         "prediction_error": draw(st.sampled_from([0.97, 1.002, 1.02, 3.0])),
         "with": list(added),
         "stages": [
@@ -63,6 +64,7 @@ def fits(draw: st.DrawFn, added: tuple[str, ...]) -> Json:
                 "effect": name,
                 "seen": draw(st.booleans()),
                 "of_measurement": draw(st.booleans()),
+                "promised_fall": draw(st.sampled_from([0.0, 40.0])),
                 "p_familywise": draw(chance),
                 "like": [other for other in draw(like) if other != name],
             }
@@ -123,6 +125,34 @@ def test_shots_are_chosen_exactly_where_the_verdict_leaves_two_open(
     if standing.tell is not None:
         assert not good
         assert all(name in asked_for(standing) and name in lead + rest for name in standing.tell)
+
+
+@pytest.mark.parametrize(
+    ("left", "promises", "word"),
+    [
+        (1.79, 0.0, Word.UNEXPLAINED),
+        (1.5, 0.0, Word.MISSING),
+        # Another one that stands out promises to lower the error: it was not tried yet.
+        (1.79, 30.0, Word.MISSING),
+    ],
+)
+def test_an_effect_whose_full_fit_lowers_no_error_is_not_called_what_is_missing(
+    left: float, promises: float, word: Word
+) -> None:
+    row = {"quantities": [{"quantity": "spin", "p_familywise": 1e-9, "shared": True}]}
+    stands_out = {"seen": True, "of_measurement": False, "p_familywise": 1e-9, "like": []}
+    found: Json = {"shots": 40, "prediction_error": 1.78, "with": [], "stages": [row]}
+    found |= {"cells": [], "findings": [], "degrees_of_freedom": 100}
+    found["candidates"] = [
+        {"effect": "camera-roll", "promised_fall": 20.0, **stands_out},
+        {"effect": "drag", "promised_fall": promises, **stands_out},
+    ]
+    assert standing_of([found]).word is Word.MISSING
+    tried = {"camera-roll": {"prediction_error": left}}
+    standing = standing_of([found], tried=tried)
+    assert standing.word is word
+    said = asked_for(standing)
+    assert ("to name what is missing" in said) == (word is Word.MISSING)
 
 
 def test_the_verdict_of_the_whole_way_holds_for_its_own_effects_alone() -> None:

@@ -22,6 +22,8 @@ def test_columns_are_recognised_by_their_names_and_units(tmp_path: Path) -> None
         table(tmp_path / "t.csv", "v_n (cm/s);v_n_after_mm_per_s;day\n118,2;874;Mon\n")
     )
     assert found.guessed() == [Column("v_n", "cm/s"), Column("v_n_after", "mm/s"), Column()]
+    free = read_table(table(tmp_path / "t.csv", "approach m/s,Rebound mm/s,temp C\n1,800,20\n"))
+    assert free.guessed() == [Column("v_n", "m/s"), Column("v_n_after", "mm/s"), Column()]
 
 
 def test_speeds_come_in_metres_a_second_whatever_their_unit_and_sign(tmp_path: Path) -> None:

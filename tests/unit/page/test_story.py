@@ -8,10 +8,19 @@ import numpy as np
 import pytest
 
 from analysis.model.verdict.standing import Standing, Word
+from analysis.quantity import Quantity
+from analysis.schema.verdict import Nuisance
 from rigctl.model.known_effects import ALL_EFFECTS, effect_document
 from rigctl.page.model.story.cards import HERE, card_of, in_plain
 from rigctl.page.model.story.preview import preview
-from rigctl.page.model.story.words import channel, compared, covariate, where
+from rigctl.page.model.story.words import (
+    alarms_in_plain,
+    channel,
+    compared,
+    covariate,
+    rejected_in_plain,
+    where,
+)
 
 CATALOGUE = [effect_document(effect) for effect in ALL_EFFECTS]
 
@@ -47,6 +56,24 @@ def test_an_effect_of_ones_own_describes_itself() -> None:
     }
     card = card_of(own)
     assert (card.title, card.what, card.typeset) == ("Warm nylon", "change of e per kelvin.", False)
+
+
+def test_why_a_shot_was_left_out_is_said_without_chi_squared() -> None:
+    # Its root, as an error: of 225 it is 15.
+    far = "chi-squared per degree of freedom 225 times that of the median shot"
+    assert "errs 15 times as much as in a usual shot" in rejected_in_plain(far)
+    assert rejected_in_plain("no frames show both spheres") == "no frames show both spheres"
+
+
+def test_stated_numbers_in_doubt_are_named_as_cards_name_them_and_each_once() -> None:
+    zero = Quantity(0.0, 1e-3, "rad")
+    pulls = {"mirror-angle.d": -4.0, "orientation-offset.r_ax": 31.6, "orientation-offset.r_ay": 2}
+    alarms = [Nuisance(name=name, stated=zero, found=zero, pull=p) for name, p in pulls.items()]
+    (said,) = alarms_in_plain(alarms)
+    assert "up to 32 times their stated errors off" in said
+    assert "“The mirror is not at 45°”, how the spheres are turned. They" in said
+    assert "offset" not in said
+    assert alarms_in_plain([]) == []
 
 
 def test_what_has_no_plain_word_keeps_its_own() -> None:

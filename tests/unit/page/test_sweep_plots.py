@@ -51,7 +51,7 @@ def test_fates_are_told_apart_by_form_and_not_by_colour_alone() -> None:
 
 
 def test_the_legend_is_the_same_whatever_became_of_the_steps() -> None:
-    early = progress({"waits": [(1, settings(40, 6))]}, LIMITS)
+    early = progress({"waiting": [(1, settings(40, 6))]}, LIMITS)
     late = progress({"measured": [(1, settings(40, 6))], "skipped": []}, LIMITS)
     names = [
         [trace["name"] for trace in drawn["data"] if "name" in trace] for drawn in (early, late)
@@ -65,7 +65,7 @@ def test_the_legend_is_the_same_whatever_became_of_the_steps() -> None:
 
 
 def test_only_fates_that_occur_are_drawn() -> None:
-    drawn = progress({"measured": [(1, settings(40, 6))], "waits": []}, LIMITS)["data"]
+    drawn = progress({"measured": [(1, settings(40, 6))], "waiting": []}, LIMITS)["data"]
     assert {trace.get("name"): trace["x"] for trace in drawn if trace["x"] != [None]} == {
         "measured": [40]
     }
@@ -74,7 +74,7 @@ def test_only_fates_that_occur_are_drawn() -> None:
 @pytest.mark.parametrize(
     ("step", "shot", "fate"),
     [
-        (StepState.WAITING, None, "waits"),
+        (StepState.WAITING, None, "waiting"),
         (StepState.SKIPPED, None, "skipped"),
         (StepState.TAKEN, None, "under way"),
         (StepState.STORED, None, "fired"),

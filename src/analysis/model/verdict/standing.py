@@ -6,7 +6,8 @@ nothing anew. Campaigns of at most `FEW` shots are judged with care: two of them
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from itertools import pairwise
@@ -21,6 +22,10 @@ SURE = 0.01
 AT_THE_FLOOR = 1.01
 """Error on unseen shots over the noise up to which one cell alone is no finding, where every
 quantity agrees and no effect stands out: nothing could lower it by more than a hundredth."""
+
+
+WORTH = 0.99
+"""An effect that leaves more than this part of the error on unseen shots explains nothing."""
 
 
 class Word(StrEnum):
@@ -67,7 +72,11 @@ class Standing:
         return self.word in OPEN
 
 
-def standing_of(path: Sequence[Json], concluded: VerdictReport | None = None) -> Standing:
+def standing_of(
+    path: Sequence[Json],
+    concluded: VerdictReport | None = None,
+    tried: Mapping[str, Json] | None = None,
+) -> Standing:
     """Return how the last of some fits stands.
 
     Parameters
@@ -77,6 +86,9 @@ def standing_of(path: Sequence[Json], concluded: VerdictReport | None = None) ->
         before: agreement, cells and ranking.
     concluded
         Verdict of the whole way, where it is known: it decides for the model that it ended with.
+    tried
+        Fits with one more effect, by its name: one that was fitted in full is judged by its error
+        on unseen shots, in the place of what its score promises.
     """
     found = path[-1]
     if found["shots"] < FEWEST:
@@ -91,7 +103,9 @@ def standing_of(path: Sequence[Json], concluded: VerdictReport | None = None) ->
         doubtful = not stands_without_two(fails) and not structured
         if (fails and doubtful) or (found["shots"] <= FEW and (fails or left)):
             return Standing(Word.UNSURE)
-    if strong:
+    tried = tried or {}
+    in_vain = strong and strong[0]["effect"] in tried and not _any_helps(found, strong, tried)
+    if strong and not (in_vain and (fails or structured)):
         return Standing(Word.MISSING, _names(strong), _pair(strong[0], _names(strong)))
     if fails or structured:
         return Standing(Word.UNEXPLAINED)
@@ -125,6 +139,29 @@ def stands_without_two(fails: Sequence[Json]) -> bool:
 def left_cells(found: Json) -> list[Json]:
     """Return the cells in which structure is left."""
     return [cell for cell in found["cells"] if cell["p_familywise"] < SURE]
+
+
+def _any_helps(found: Json, strong: Sequence[Json], tried: Mapping[str, Json]) -> bool:
+    """Say whether one of these effects lowers the error on unseen shots, or promises to."""
+    most = WORTH * found["prediction_error"]
+    return any(
+        (
+            tried[one["effect"]]["prediction_error"]
+            if one["effect"] in tried
+            else promised_error(found, one)
+        )
+        < most
+        for one in strong
+    )
+
+
+def promised_error(found: Json, candidate: Json) -> float:
+    """Return about how far the error on unseen shots would fall with an effect, by its score.
+
+    Its fall is in units of the noise as it was found, of which each degree of freedom has one.
+    """
+    left = 1.0 - candidate["promised_fall"] / found["degrees_of_freedom"]
+    return float(found["prediction_error"] * math.sqrt(max(0.0, left)))
 
 
 def _concluded(verdict: VerdictReport) -> Standing:

@@ -13,6 +13,8 @@ from rigctl.page.parts.following import following
 from rigctl.page.parts.widgets import button
 from rigctl.page.sweeps.broad import broad_sweep
 from rigctl.page.sweeps.form import form_address
+from rigctl.rig.states import RigState
+from rigctl.rig.status import RigStatus
 from rigctl.store import CampaignRecord, ShotState, SweepState
 
 ENOUGH = 20
@@ -84,6 +86,26 @@ def progress_of(
     return Progress(step, best.name, measured, best.shots)
 
 
+MEASURES = frozenset({ShotState.STORED, ShotState.ANALYSING})
+ARMED_NOW = "The rig is armed: now press Fire. Disarm gives up, and nothing is fired."
+NOW = {
+    RigState.CHECKED: ARMED_NOW,
+    RigState.ARMED: ARMED_NOW,
+    RigState.FIRING: "Fired: the spheres fly and the camera films them.",
+    RigState.CAPTURING: "Fired: the spheres fly and the camera films them.",
+}
+MEASURED_NOW = "The film is there. Its pictures are measured now: the numbers come by themselves."
+
+
+def first_words(status: RigStatus) -> str:
+    """Return what to do for the first shot, or what is done with it just now."""
+    if status.state in NOW:
+        return NOW[status.state]
+    if status.last_shot is not None and status.last_shot.state in MEASURES:
+        return MEASURED_NOW
+    return "Good values are filled in: press Arm, then Fire. Nothing moves before you arm."
+
+
 LOOK_S = 0.5
 CAMPAIGN = "first"
 SWEEPS = "/sweeps"
@@ -133,10 +155,17 @@ class Rail:
         return replace(now, step=SWEEP) if now.step == READ and self._place == SWEEPS else now
 
     def _follow(self) -> None:
-        if self._heard == self._desk.feed.told or (now := self._stand()) == self._now:
+        if self._heard == self._desk.feed.told:
+            return
+        if (now := self._stand()) == self._now:
+            self._say()
             return
         self._now = now
         self._show.refresh()
+
+    def _say(self) -> None:
+        """Say what to do now; new words cost less than steps that are drawn anew."""
+        self._said.set_text(self._sentence())
 
     @ui.refreshable_method
     def _show(self) -> None:
@@ -145,7 +174,8 @@ class Rail:
                 for number, (name, about) in enumerate(STEPS, start=1):
                     self._step(number, name, about)
             with ui.element("div").classes("now"):
-                ui.label(self._sentence()).classes("said").props("data-testid=guide-text")
+                self._said = ui.label(self._sentence()).classes("said")
+                self._said.props("data-testid=guide-text")
                 self._button()
                 hide = button(
                     "I know the rig: hide the guide",
@@ -169,7 +199,7 @@ class Rail:
     def _sentence(self) -> str:
         now = self._now
         if now.step == FIRE:
-            return "Good values are filled in: press Arm, then Fire. Nothing moves before you arm."
+            return first_words(self._desk.daemon.rig.status())
         if now.step == READ:
             return f"{self._met()} One shot shows how it bounced; thirty show a law."
         if now.step == SWEEP and self._place == SWEEPS and not self._runs():

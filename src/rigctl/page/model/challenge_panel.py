@@ -14,7 +14,7 @@ from rigctl.game import Clue
 from rigctl.model.known_effects import ALL_EFFECTS, effect_document
 from rigctl.page.model.state import ModelState
 from rigctl.page.model.story.cards import Card, card_of, named
-from rigctl.page.model.story.lead import drawing
+from rigctl.page.model.story.lead import drawing, sentence_of
 from rigctl.page.model.story.where import PLACES
 from rigctl.page.parts.asking import ask_again
 from rigctl.page.parts.tables import Line, facts, minus, with_error
@@ -65,17 +65,18 @@ def reveal_beside(
         ui.label(OUTCOMES[outcome]).classes("lead")
         ui.label(f"The truth is: {in_titles(label.answer)}.")
     known = cards()
+    bounce = fitted.get("e", {}).get("value") or 0.0
     with ui.element("div").classes("columns half").props("data-testid=side-by-side"):
         with _side("What was hidden"):
             for one in label.effects:
-                unit = "" if one.unit == "1" else f" {one.unit}"
-                size = minus(f"Size: {one.amplitude:.4g}{unit} ({one.meaning}).")
-                _entry(known.get(one.effect), one.effect, size)
+                _entry(known.get(one.effect), one.effect, hidden_size(one, bounce))
             if not label.effects:
                 _entry(None, NOTHING["none"], "")
         with _side("Your answer"):
             for name in answer:
-                _entry(known.get(name), NOTHING.get(name, name), _found(name, label, fitted))
+                _entry(
+                    known.get(name), NOTHING.get(name, name), _found(name, label, fitted, bounce)
+                )
     ui.label("The label is the one that was sealed when the campaign was made.").classes("note")
 
 
@@ -98,16 +99,25 @@ def _entry(card: Card | None, name: str, size: str) -> None:
                 ui.label(size)
 
 
-def _found(name: str, label: challenge.Label, fitted: Mapping[str, Json]) -> str:
-    """Return the fitted size of an answered effect, and how far from the truth it is."""
+def hidden_size(one: challenge.HiddenEffect, bounce: float) -> str:
+    """Return what a hidden effect does, and its size; where no sentence is known what it is."""
+    unit = "" if one.unit == "1" else f" {one.unit}"
+    size, does = f"{one.amplitude:.4g}{unit}", sentence_of(one.effect, one.amplitude, bounce)
+    return minus(f"{does} Size: {size}." if does else f"Size: {size} ({one.meaning}).")
+
+
+def _found(name: str, label: challenge.Label, fitted: Mapping[str, Json], bounce: float) -> str:
+    """Return what an answered effect does by the fit, its size, and how far it is off."""
     hidden = next((one for one in label.effects if one.effect == name), None)
     found = next((fitted[key] for key in fitted if key.startswith(f"{name}.")), None)
     if found is None:
         return "" if name in NOTHING else "Not in the model that is fitted: no size."
+    does = "" if found["value"] is None else f"{sentence_of(name, found['value'], bounce)} "
     if hidden is None:
-        return f"Fitted size: {with_error(found)}."
+        return f"{does}Fitted size: {with_error(found)}.".lstrip()
     size, apart = beside_truth(hidden, fitted)
-    return f"Fitted size: {size}, {apart} from the truth." if apart else f"Fitted size: {size}."
+    off = f", {apart} from the truth" if apart else ""
+    return f"{does}Fitted size: {size}{off}.".lstrip()
 
 
 def beside_truth(

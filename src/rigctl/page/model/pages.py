@@ -22,7 +22,12 @@ from rigctl.page.model.steps import Steps
 from rigctl.page.model.story.cards import in_plain, slider_script
 from rigctl.page.model.story.ghost import ghost_script
 from rigctl.page.model.story.view import Story
-from rigctl.page.model.story.words import cells_in_plain, in_words
+from rigctl.page.model.story.words import (
+    alarms_in_plain,
+    cells_in_plain,
+    in_words,
+    rejected_in_plain,
+)
 from rigctl.page.model.verdict import Verdict, Wording, without_numbers
 from rigctl.page.parts.following import following
 from rigctl.page.parts.plotting import expect_plots
@@ -49,7 +54,7 @@ class ModelView:
         self._desk, self._view, self._guide = desk, view, guide
         self._state = ModelState(source)
         self._state.take(effects)
-        self._rest = False
+        self._rest, self._stood = False, self._state.standing
         self._head()
         if view == TABLES:
             self._verdict = Verdict(desk, self._state, self._take)
@@ -83,7 +88,7 @@ class ModelView:
             self._steps.rank()
             self._next.show.refresh()
         answered, tried = self._state.follow()
-        if answered:
+        if answered or (tried and self._state.standing != self._stood):
             self._draw()
         elif tried:
             self._steps.rank()
@@ -91,6 +96,7 @@ class ModelView:
         self._next.follow()
 
     def _draw(self) -> None:
+        self._stood = self._state.standing
         self._head.refresh()
         self._verdict.show.refresh()
         self._failed.refresh()
@@ -155,14 +161,16 @@ class ModelView:
             shots = f"{'shot' if len(why) == 1 else 'shots'} {numbers}"
             ui.html(f"{used} used, left out: {shots}", sanitize=False, tag="summary")
             for number, reason in why.items():
-                ui.label(f"Shot {number}: {reason}.")
+                said = rejected_in_plain(reason) if self._view == STORY else reason
+                ui.label(f"Shot {number}: {said}.")
 
     def _busy(self) -> None:
         def look() -> str:
             job = self._state.waits()
             return "" if job is None else job.id
 
-        Waiting(self._desk, "Comparing model and measurement", look, testid="busy")
+        worded = in_plain if self._view == STORY else str
+        Waiting(self._desk, "Comparing model and measurement", look, "busy", worded)
 
     @ui.refreshable_method
     def _failed(self) -> None:
@@ -190,6 +198,7 @@ IN_STORY = Wording(
     found=without_numbers,
     law=in_story,
     finding=in_words,
+    alarms=alarms_in_plain,
 )
 
 

@@ -63,7 +63,16 @@ class ModelState:
     def standing(self) -> Standing | None:
         """What the latest fit on the way to the present effects leaves open; None before one."""
         known = self.path()
-        return standing_of(known, self.concluded) if known else None
+        return standing_of(known, self.concluded, self.trials()) if known else None
+
+    def trials(self) -> dict[str, Json]:
+        """Return the answers with one more effect than the present ones, by its name."""
+        more = len(self.effects) + 1
+        return {
+            stage[-1]: answer
+            for stage, answer in self._answers.items()
+            if len(stage) == more and stage[:-1] == self.effects
+        }
 
     def take(self, effects: Effects) -> None:
         """Go to other effects, and ask for whatever is not known on the way there."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from nicegui import ui
@@ -46,13 +46,14 @@ def without_numbers(found: VerdictReport) -> str:
 class Wording:
     """How a view says things: sentences of a verdict, those of a proposed law, and findings.
 
-    `found` says with what the whole way ended.
+    `found` says with what the whole way ended, `alarms` which stated numbers the fit pulls away.
     """
 
     verdict: Callable[[str], str] = str
     found: Callable[[VerdictReport], str] = unnamed
     law: Callable[[str], str] = on_page
     finding: Callable[[Json], str] = named
+    alarms: Callable[[Sequence[Nuisance]], list[str]] = alarm_sentences
 
 
 class Verdict:
@@ -70,13 +71,14 @@ class Verdict:
     ) -> None:
         self._state, self._take, self._worded = state, take, wording.verdict
         self._found_words = wording.found
-        self._finding = wording.finding
+        self._finding, self._alarmed = wording.finding, wording.alarms
         jobs = state.source.daemon.jobs
         self._asked = Question(lambda: state.source.ask("explain"), jobs.job)
         self._law = ProposedLaw(state, self.show.refresh, wording.law)
         self.show()
-        Waiting(desk, "Finding what is missing", lambda: self._asked.running or "", "explaining")
-        Waiting(desk, "Looking for a law", lambda: self._law.running, "proposing")
+        explaining, running = "Finding what is missing", lambda: self._asked.running or ""
+        Waiting(desk, explaining, running, "explaining", wording.verdict)
+        Waiting(desk, "Looking for a law", lambda: self._law.running, "proposing", wording.verdict)
 
     def follow(self) -> None:
         """Show the answer once it has come."""
@@ -84,9 +86,8 @@ class Verdict:
         if self._law.follow() or came:
             if came and self._asked.answer is not None:
                 found = self._state.concluded = read(VerdictReport, self._asked.answer)
-                ends = found.path[-1].effects
-                if ends != self._state.effects:
-                    self._take(ends)
+                # Also where it ends with what was there: story and next shots say what it says.
+                self._take(found.path[-1].effects)
             self.show.refresh()
 
     @ui.refreshable_method
@@ -100,7 +101,9 @@ class Verdict:
         if self._state.failure:
             lead = "Model and measurement were not compared."
         if present is not None:
-            lead, rest, good = sentence(self._state.path(), self._state.concluded, self._finding)
+            lead, rest, good = sentence(
+                self._state.path(), self._state.concluded, self._finding, self._state.trials()
+            )
         look, mark = MARKS[good] if present is not None else ("waits", "…")
         with ui.element("div").classes(f"verdict {look}").props("data-testid=verdict role=status"):
             with ui.element("div").classes("beside"):
@@ -120,7 +123,7 @@ class Verdict:
         with ui.element("details").classes("note").props("data-testid=alarms"):
             summary = f"{count} of the set-up {'is' if len(alarms) == 1 else 'are'} in doubt"
             ui.html(summary, sanitize=False, tag="summary")
-            for sentence in alarm_sentences(alarms):
+            for sentence in self._alarmed(alarms):
                 ui.label(sentence).props("data-testid=alarm")
 
     def _offer(self) -> None:
@@ -156,12 +159,13 @@ def sentence(
     path: Sequence[Json],
     concluded: VerdictReport | None = None,
     finding: Callable[[Json], str] = named,
+    tried: Mapping[str, Json] | None = None,
 ) -> tuple[str, str, bool | None]:
     """Say how the last fit of a path stands: the point, what goes with it, whether all is well.
 
     None where these shots do not say. What is said is decided by `standing_of` alone.
     """
-    found, standing = path[-1], standing_of(path, concluded)
+    found, standing = path[-1], standing_of(path, concluded, tried)
     error = Unseen.of(found).sentence()
     added = " and ".join(found["with"])
     where = f"most in {_worst(failing_rows(found), found['findings'], finding)}"

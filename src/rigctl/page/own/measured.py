@@ -15,7 +15,7 @@ from rigctl.page.desk import Desk
 from rigctl.page.model.source import Source
 from rigctl.page.own.brought import CAMPAIGN, FIGURE, MEASURED, RESULT, Brought
 from rigctl.page.own.downloads import ADDRESS
-from rigctl.page.parts.tables import Cell, Line, facts, minus
+from rigctl.page.parts.tables import Cell, Line, facts
 from rigctl.page.parts.widgets import button
 
 FEWEST_IMPACTS = 5
@@ -71,7 +71,7 @@ class MeasuredFilms:
             for number, each in enumerate(answer["impacts"], start=1):
                 when = Quantity(each["contact_time_s"], each["contact_time_sigma_s"], "s").concise()
                 numbers = [
-                    minus(Quantity.from_json(each[key]).concise())
+                    Quantity.from_json(each[key]).concise().removeprefix("-")
                     for key in ("v_n", "v_n_after", "e")
                 ]
                 name = str(number) if len(self.names) == 1 else f"{film + 1} / {number}"

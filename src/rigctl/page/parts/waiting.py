@@ -27,12 +27,19 @@ class Waiting:
         What is waited for, as a sentence's subject: "Fitting the model".
     look
         Returns the name of the job that is waited for; empty for none.
+    worded
+        Puts a step into the words of the view.
     """
 
     def __init__(
-        self, desk: Desk, title: str, look: Callable[[], str], testid: str = "waiting"
+        self,
+        desk: Desk,
+        title: str,
+        look: Callable[[], str],
+        testid: str = "waiting",
+        worded: Callable[[str], str] = str,
     ) -> None:
-        self._desk, self._title, self._look = desk, title, look
+        self._desk, self._title, self._look, self._worded = desk, title, look, worded
         with ui.element("div").classes("waiting").props(f"data-testid={testid}") as self._all:
             with ui.element("div").classes("beside"):
                 self._said = ui.label().classes("strong").props("role=status")
@@ -56,7 +63,7 @@ class Waiting:
         if job is None or not seen:
             return
         wait = wait_of(job, jobs.jobs(), now)
-        self._said.set_text(f"{self._title}: {step_of(job)}")
+        self._said.set_text(f"{self._title}: {self._worded(step_of(job))}")
         self._left.set_text(said_of(wait))
         indeterminate = wait.share is None
         self._bar.props(
@@ -85,7 +92,8 @@ def said_of(wait: Wait) -> str:
     """Say how long a wait lasts and how much of it is left, in whole seconds."""
     gone = f"{wait.gone_s:.0f} s gone"
     if wait.left_s is None:
-        return f"{gone}, longer than usual. You can go on reading."
+        late = ", longer than usual" if wait.is_late else ""
+        return f"{gone}{late}. You can go on reading."
     return f"{gone}, about {wait.left_s:.0f} s left. You can go on reading."
 
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from analysis.model.proposals.ranges import ranges
 
-OF_A_FRAME = re.compile(r"frame (\d+) (has|shows) (.+)")
+OF_A_FRAME = re.compile(r"frame (\d+) (has|shows|left out)(?= |:)(.+)")
 OF_SEVERAL = {"has": "have", "shows": "show"}
 
 
@@ -31,6 +31,6 @@ def _said(verb: str, rest: str, frames: Sequence[int]) -> str:
     if not verb:
         return rest
     if len(frames) == 1:
-        return f"frame {frames[0]} {verb} {rest}"
+        return f"frame {frames[0]} {verb}{rest}"
     numbers = ranges(frames).replace("-", "–").replace(",", ", ")
-    return f"frames {numbers} {OF_SEVERAL[verb]} {rest}"
+    return f"frames {numbers} {OF_SEVERAL.get(verb, verb)}{rest}"

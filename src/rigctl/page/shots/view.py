@@ -63,7 +63,7 @@ class Analysing:
         if compiling is None:
             left = max(1.0, USUAL_S - gone) if gone < WRONG_BY * USUAL_S else None
             self._said.set_text(CANCELS if cancels else MEASURES)
-            self._left.set_text(said_of(Wait(gone, left)))
+            self._left.set_text(said_of(Wait(gone, left, is_late=left is None)))
         else:
             left = self._rate.left_s(compiling.share, now)
             self._said.set_text(CANCELS if cancels else COMPILES)

@@ -41,7 +41,7 @@ def what_became(step: StepRecord, shot: ShotRecord | None) -> str:
     `shot` is None also where it was not read yet.
     """
     if step.state is StepState.WAITING:
-        return "waits"
+        return "waiting"
     if step.state is StepState.SKIPPED:
         return "skipped"
     if step.state is StepState.TAKEN:

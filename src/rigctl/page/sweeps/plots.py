@@ -16,7 +16,7 @@ HEIGHT = 360
 SCALE = (0.0, 0.25, 0.5, 1.0, 2.0)
 """Values of v_s / v_n marked beside the offsets."""
 LOOKS: dict[str, Json] = {
-    "waits": {"color": "rgba(0,0,0,0)", "size": 10, "line": {"color": GREY, "width": 1.4}},
+    "waiting": {"color": "rgba(0,0,0,0)", "size": 10, "line": {"color": GREY, "width": 1.4}},
     "fired": {"color": GREY, "size": 9, "symbol": "square"},
     "under way": {"color": "#E69F00", "size": 13, "symbol": "diamond"},
     "measured": {"color": MEASURED, "size": 10},
@@ -27,7 +27,7 @@ LOOKS: dict[str, Json] = {
 
 
 SIGNS = {
-    "waits": f'<circle r="5" fill="none" stroke="{GREY}" stroke-width="1.4"/>',
+    "waiting": f'<circle r="5" fill="none" stroke="{GREY}" stroke-width="1.4"/>',
     "fired": f'<path d="M-4.5-4.5h9v9h-9z" fill="{GREY}"/>',
     "under way": '<path d="M0-7 7 0 0 7-7 0z" fill="#E69F00"/>',
     "measured": '<circle r="5" fill="var(--blue)"/>',

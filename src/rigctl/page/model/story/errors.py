@@ -7,9 +7,9 @@ then states the error in the unit of what was measured, with the scatter of the 
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
+from analysis.model.verdict.standing import promised_error
 from rigctl.documents import Json
 
 
@@ -52,10 +52,7 @@ def three_figures(value: float) -> str:
 
 
 def falls_to(found: Json, candidate: Json) -> Unseen:
-    """Return about how far the error would fall with an effect, by its promised fall.
-
-    That fall is in units of the noise as it was found, of which each degree of freedom has one.
-    """
+    """Return about how far the error would fall with an effect, by its promised fall."""
     now = Unseen.of(found)
-    left = 1.0 - candidate["promised_fall"] / found["degrees_of_freedom"]
-    return replace(now, value=max(now.floor or 0.0, now.value * math.sqrt(max(0.0, left))))
+    share = promised_error(found, candidate) / found["prediction_error"]
+    return replace(now, value=max(now.floor or 0.0, now.value * share))

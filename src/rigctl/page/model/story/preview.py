@@ -96,8 +96,9 @@ def plainest(before: Json, after: Json | None, place: str) -> Shown | None:
 
     Cells of the place where the effect acts go first, as far as they show something that the
     effect explains: what a contact does to the flights is drawn in the picture more plainly, and
-    says less about the contact. Of cells that are explained nearly alike the first is what
-    happened, and settings the last. None without a second fit, or if both have no cell in common.
+    says less about the contact. Of cells that are explained nearly alike, or alike as far as so
+    many points can tell, the first is what happened, and settings the last. None without a second
+    fit, or if both have no cell in common.
 
     Parameters
     ----------
@@ -118,9 +119,17 @@ def plainest(before: Json, after: Json | None, place: str) -> Shown | None:
             shares[number] = _explained(*points), (cell, *points)
         most = max((share for share, _ in shares.values()), default=-math.inf)
         if shares and most >= least:
-            near = [found for share, found in shares.values() if share >= most - NEARLY * abs(most)]
+            _, (_, first, _) = max(shares.values(), key=lambda pair: pair[0])
+            within = max(NEARLY * abs(most), _unsure(most, len(first["x"])))
+            near = [found for share, found in shares.values() if share >= most - within]
             return min(near, key=lambda found: rank_of(found[0]["covariate"]))
     return None
+
+
+def _unsure(share: float, count: int) -> float:
+    """Return about the standard error of a share of variance that is taken from so many points."""
+    inside = min(1.0, max(0.0, share))
+    return 2.0 * math.sqrt(inside / count) * (1.0 - inside)
 
 
 def _explained(before: Json, after: Json) -> float:

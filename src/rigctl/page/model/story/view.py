@@ -7,8 +7,7 @@ from html import escape
 
 from nicegui import ui
 
-from analysis.model.verdict.standing import AT_THE_FLOOR, Word, standing_of
-from analysis.schema.verdict import VerdictReport
+from analysis.model.verdict.standing import AT_THE_FLOOR, Standing, Word, standing_of
 from rigctl.documents import Json
 from rigctl.page.desk import Desk
 from rigctl.page.model.effect_words import described, left_out
@@ -47,6 +46,7 @@ class Story:
         self._desk, self._state, self._take = desk, state, take
         self._shown: Json | None = None
         self._after: Json | None = None
+        self._standing: Standing | None = None
         self._effect, self._waits = "", ""
         self._is_behind = self._is_before = False
         self._known, self._late = 0, self._fourth
@@ -72,7 +72,11 @@ class Story:
             found = path[-1]
         self._steps.set_visibility(found is not None or self._shown is not None)
         known, self._known = self._known, len(path)
-        if found is not None and (found is not self._shown or known != len(path)):
+        stood, self._standing = self._standing, self._state.standing
+        if found is not None and found is self._shown and known == len(path):
+            if stood != self._standing:
+                self._stands_anew()
+        elif found is not None:
             # A reloaded page may hear of the model with an effect before it hears of it without.
             opens = self._shown is None
             self._shown, self._is_before = found, False
@@ -89,6 +93,17 @@ class Story:
                 now, self._late = self._late, now
             now.refresh()
             self._is_behind = True
+
+    def _stands_anew(self) -> None:
+        """Draw what a trial or the whole way has changed: what is missing, not what was measured.
+
+        The effect that is looked at stays.
+        """
+        self._look_at_stage()
+        self._rail.refresh()
+        self._compared.refresh()
+        self._failing.refresh()
+        self._draw()
 
     def rank(self) -> None:
         """Draw the other steps where they are behind: of an earlier answer, or without a trial."""
@@ -118,12 +133,15 @@ class Story:
 
     def _look_at_stage(self) -> None:
         stages = self._stages
-        found, standing = stages[-1], standing_of(stages, self._concluded())
+        found, standing = stages[-1], self._stands(stages)
         self._film.take(found["paths"], tuple(found["with"]))
         self._where.take(found["findings"], standing)
 
-    def _concluded(self) -> VerdictReport | None:
-        return None if self._is_before else self._state.concluded
+    def _stands(self, stages: Sequence[Json]) -> Standing:
+        """Return how the last of some stages stands; what came later says nothing of the others."""
+        if self._is_before:
+            return standing_of(stages)
+        return standing_of(stages, self._state.concluded, self._state.trials())
 
     def look_at(self, place: str) -> None:
         """Show in step 2 what errs most in a place, as a hint names it."""
@@ -165,7 +183,7 @@ class Story:
     @ui.refreshable_method
     def _compared(self) -> None:
         found = self._stages[-1]
-        _lede(compared(found, standing_of(self._stages, self._concluded())), "story-compare")
+        _lede(compared(found, self._stands(self._stages)), "story-compare")
         with ui.element("div").classes("columns compared"):
             self._film.place()
             with ui.element("div").classes("stack"):
@@ -249,11 +267,11 @@ class Story:
         if not self._effect:
             _lede("No effect that is known would change anything in these shots.", "story-missing")
             return
-        lede = (
-            "Move the slider until the line lies on the dots."
-            if standing is not None and standing.missing
-            else f"None of {len(seen)} effects stands out. The best of them:"
-        )
+        lede = f"None of {len(seen)} effects stands out. The best of them:"
+        if standing is not None and standing.missing:
+            lede = "Move the slider until the line lies on the dots."
+        elif standing is not None and standing.word is Word.UNEXPLAINED:
+            lede = f"None of {len(seen)} effects explains it. The best of them:"
         _lede(lede, "story-missing")
         fits = found, self._after
         lead_card(known[self._effect], fits, cell, self._add, self._wait)
@@ -283,7 +301,7 @@ class Story:
             button("Fit it in full", lambda: self._try(self._effect), testid="fit-in-full")
             return True
         title = "Fitting it in full, the slider comes with the answer"
-        Waiting(self._desk, title, lambda: self._waits, "trying")
+        Waiting(self._desk, title, lambda: self._waits, "trying", in_plain)
         return True
 
     def _cards(self, candidates: Sequence[Json], found: Json) -> None:

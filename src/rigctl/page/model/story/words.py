@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import math
 import re
+from collections.abc import Sequence
 
 import numpy as np
 
 from analysis.model.structure.findings import ALWAYS
 from analysis.model.verdict.standing import SURE, Standing, Word, stands_without_two
+from analysis.schema.verdict import Nuisance
 from rigctl.documents import Json
+from rigctl.page.model.story.cards import in_plain
 
 ALONG = {"n": "along the centres", "t": "along the sliding", "b": "sideways"}
 TURNS = {"n": "twist", "t": "tumbling", "b": "rolling"}
@@ -176,6 +180,40 @@ def compared(found: Json, standing: Standing | None = None) -> str:
         f"The model gets the {channel(worst['quantity'])} wrong by {sized(worst)}: "
         f"{worst['error']:.3g} times the noise, {rest}."
     )
+
+
+FAR = re.compile(r"chi-squared per degree of freedom (\S+) times that of the median shot")
+
+
+def rejected_in_plain(reason: str) -> str:
+    """Return why a fit left out a shot without chi-squared: errors go with its root."""
+
+    def plain(found: re.Match[str]) -> str:
+        times = math.sqrt(float(found[1]))
+        return f"over its whole film the model errs {times:.2g} times as much as in a usual shot"
+
+    return FAR.sub(plain, reason)
+
+
+STATED = {
+    "outline-offset": "where the outlines lie",
+    "orientation-offset": "how the spheres are turned",
+}
+"""Of stated numbers that are no effect of the catalogue."""
+
+
+def alarms_in_plain(alarms: Sequence[Nuisance]) -> list[str]:
+    """Say which stated numbers the fit pulls away, in words; their sizes stand in the tables."""
+    if not alarms:
+        return []
+    effects = dict.fromkeys(one.name.partition(".")[0] for one in alarms)
+    named = [STATED.get(name, in_plain(name)) for name in effects]
+    furthest = max(abs(one.pull) for one in alarms)
+    return [
+        f"The model fits only with other values than were stated, up to {furthest:.0f} times "
+        f"their stated errors off: {', '.join(named)}. They make up for what the model lacks, or "
+        "were stated wrongly. Add what is missing, then look again."
+    ]
 
 
 ENDS = {
