@@ -22,6 +22,7 @@ from analysis.photometric.follow.film import (
 )
 from analysis.photometric.follow.first_tracking import first_tracking
 from analysis.photometric.follow.following import Follower
+from analysis.photometric.follow.moving_part import moving_part
 from analysis.photometric.follow.start import LEAST_DARKNESS, first_film
 from analysis.photometric.learn.appearance import Appearance
 from analysis.photometric.learn.learning import extended, learn, learn_together
@@ -136,6 +137,47 @@ def followed_film(
     return film
 
 
+def followed_pair(
+    frames: Grey, times_s: Floats, setup: Setup, known: Appearance, *, extend: bool
+) -> tuple[Film, Appearance]:
+    """Measure the poses of a known pair, in the part of large pictures in which spheres move.
+
+    Where that shows no pair the whole picture is looked at.
+
+    Returns
+    -------
+    The film, maybe of that part alone, and the pair in pixels of the whole picture: `known` itself
+    where the shot adds nothing.
+
+    Raises
+    ------
+    ShotRefusedError
+        As `followed_film` does.
+    """
+    part = moving_part(frames, known)
+    if part is not None:
+        shown = part.shown(known)
+        try:
+            film, more = _extended(part.of(frames), times_s, setup, shown, extend=extend)
+        except ShotRefusedError:
+            pass
+        else:
+            return film, known if more is shown else part.whole(more, known)
+    return _extended(frames, times_s, setup, known, extend=extend)
+
+
+def _extended(
+    frames: Grey, times_s: Floats, setup: Setup, known: Appearance, *, extend: bool
+) -> tuple[Film, Appearance]:
+    """Return the poses of a known pair, and the pair, with what the shot adds where it may."""
+    film = followed_film(frames, times_s, known, *circumstances(setup))
+    if not extend or (more := extended(film, known)) is known:
+        return film, known
+    settle_film(film, more, LAST_LIMIT)
+    _finish(film, more)
+    return film, more
+
+
 def circumstances(setup: Setup) -> tuple[float | None, float]:
     """Return the exposure, s, None where it is not stated, and gravity along +X, m/s^2."""
     return setup.camera.exposure_s, setup.environment.gravity_m_per_s2
@@ -217,20 +259,18 @@ def measure_poses(
     ShotRefusedError
         With the step, the frame and the reason.
     """
-    film = None
+    found = None
     if known is not None:
         # Other spheres, or another place of the camera: the shot is learned by itself.
         try:
-            film = followed_film(frames, times_s, known, *circumstances(setup))
+            found = followed_pair(frames, times_s, setup, known, extend=extend)
         except ShotRefusedError as refusal:
             unlike = refusal.reason
-    if film is None or known is None:
+    if found is None:
         film, known = learned_film(frames, times_s, setup)
         known = sized([film], known)
-    elif extend and (more := extended(film, known)) is not known:
-        known = more
-        settle_film(film, known, LAST_LIMIT)
-        _finish(film, known)
+    else:
+        film, known = found
     tracking = tracking_of(film, known, times_s, setup.environment.gravity_m_per_s2)
     if unlike:
         alone = f"learned by itself, with body axes and a scale of its own: {unlike}"

@@ -104,7 +104,8 @@ class Appearance:
 
     def looks(self, wider_px: float = 0.0) -> tuple[Look, Look]:
         """Return both spheres in the form of the fit, the blur wider by some pixels."""
-        return _looks(self, wider_px)
+        scales = tuple(self.camera.optics.scales.tolist())
+        return _looks(self.spheres, tuple(self.sigma_px.tolist()), scales, wider_px)
 
 
 @lru_cache(maxsize=KEPT_LOOKS)
@@ -114,17 +115,27 @@ def _smeared(known: Appearance) -> Appearance:
 
 
 @lru_cache(maxsize=KEPT_LOOKS)
-def _looks(known: Appearance, wider_px: float) -> tuple[Look, Look]:
-    """Draw the templates of both spheres; cached, since every pass over a film needs them."""
-    first, second = (_look(known, sphere, wider_px) for sphere in known.spheres)
+def _looks(
+    spheres: tuple[Sphere, Sphere],
+    sigma_px: tuple[float, ...],
+    scales: tuple[float, ...],
+    wider_px: float,
+) -> tuple[Look, Look]:
+    """Draw the templates of both spheres; cached, since every pass over a film needs them.
+
+    They are the same wherever in the picture the camera shows them.
+    """
+    first, second = (_look(sphere, sigma_px, scales, wider_px) for sphere in spheres)
     return first, second
 
 
-def _look(known: Appearance, sphere: Sphere, wider_px: float) -> Look:
-    radii = known.camera.optics.scales * sphere.radius_m
+def _look(
+    sphere: Sphere, sigma_px: tuple[float, ...], scales: tuple[float, ...], wider_px: float
+) -> Look:
+    radii = np.array(scales) * sphere.radius_m
     templates = [
-        template(blurred_profiles(float(sigma + wider_px) / float(radius)), coefficients)
-        for sigma, radius, coefficients in zip(known.sigma_px, radii, sphere.shading, strict=True)
+        template(blurred_profiles((sigma + wider_px) / float(radius)), coefficients)
+        for sigma, radius, coefficients in zip(sigma_px, radii, sphere.shading, strict=True)
     ]
     discs, surfaces = draw(templates, sphere.reliefs, float(radii[0]))
     return Look(
@@ -134,7 +145,7 @@ def _look(known: Appearance, sphere: Sphere, wider_px: float) -> Look:
         darkness=sphere.darkness,
         discs=discs,
         surfaces=surfaces,
-        sigma_px=known.sigma_px,
+        sigma_px=np.array(sigma_px),
     )
 
 
