@@ -126,14 +126,23 @@ class Meter:
 
 
 def settle(daemon: Daemon) -> None:
-    """Wait until the daemon and its workers rest: a page that is looked at has loaded long ago."""
+    """Wait until the daemon and its workers rest: a page that is looked at has loaded long ago.
+
+    Raises
+    ------
+    RuntimeError
+        They do not, as while machine code is compiled: `rigctl precompile` does that beforehand.
+    """
     spent = of_tree(daemon.pid)
     for _ in range(MOST_LOOKS):
         time.sleep(REST_S)
         before, spent = spent, of_tree(daemon.pid)
         if spent - before < AT_REST * REST_S:
             return
-    raise RuntimeError("the daemon does not come to rest")
+    raise RuntimeError(
+        f"the daemon and its workers do not come to rest: {spent - before:.1f} s of the processor "
+        f"in the last {REST_S:g} s"
+    )
 
 
 def cells_shown(page: Page, daemon: Daemon) -> list[Waited]:

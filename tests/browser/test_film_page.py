@@ -9,6 +9,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browser.conftest import Served
+from tests.browser.test_accessibility import faults, out_of_reach
 from tests.telephones import configure, film
 
 
@@ -35,6 +36,8 @@ def test_a_shot_waits_for_the_word_and_takes_the_film_that_is_dropped(
     expect(waits).to_contain_text("The shot is fired")
     page.get_by_test_id("drop").set_input_files(tmp_path / "short.mp4")
     expect(read).to_contain_text("100 frames")
+    assert faults(page) == []
+    assert out_of_reach(page) == []
     expect(waits).to_contain_text("The shot is fired")
     page.get_by_test_id("drop").set_input_files(tmp_path / "drop.mp4")
     expect(read).to_contain_text("the shot has its frames")

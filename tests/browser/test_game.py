@@ -8,6 +8,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browser.conftest import Served
+from tests.browser.test_accessibility import faults
 from tests.browser.test_model_page import LONG_MS
 
 pytestmark = pytest.mark.long
@@ -47,6 +48,7 @@ def test_a_level_is_made_played_with_a_hint_and_scored(page: Page, served: Serve
     expect(page.get_by_test_id("truth")).to_contain_text("Wrong.")
     # Nothing found, a hint for 20, and 25 (1 - 4 * 0.9²) = -56 for being sure and wrong.
     expect(page.get_by_test_id("score")).to_have_text("Level 1, -76 points")
+    assert faults(page) == []
     sides = page.get_by_test_id("side-by-side").locator("section")
     expect(sides.nth(0)).to_contain_text("What was hidden")
     expect(sides.nth(1)).to_contain_text("Nothing")

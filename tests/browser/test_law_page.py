@@ -12,6 +12,7 @@ from playwright.sync_api import Page, expect
 from rigctl.challenge import new
 from simulators.challenge import write_challenge
 from tests.browser.conftest import Served
+from tests.browser.test_accessibility import faults
 from tests.invoked import rigctl
 
 pytestmark = pytest.mark.long
@@ -61,6 +62,7 @@ def test_a_law_is_proposed_beside_unexplained_with_where_the_shots_are_for_that_
     expect(said).to_contain_text("Its next shots are for the rig that fired this campaign")
     expect(said).to_contain_text("rigctl model propose --write writes them as a sweep file")
     expect(page.get_by_test_id("law-into-sweep")).to_have_count(0)
+    assert faults(page) == []
 
 
 def test_a_law_is_not_confirmed_on_its_own_shots_and_campaigns_are_asked_what_they_share(

@@ -7,6 +7,8 @@ import re
 import pytest
 from playwright.sync_api import Page, expect
 
+from tests.browser.test_accessibility import faults
+
 pytestmark = pytest.mark.long
 
 LONG_MS = 60_000
@@ -24,9 +26,11 @@ def test_a_shot_without_a_contact_is_refused_in_words_beside_its_film(page: Page
     expect(refusal).to_contain_text("b started 20 ms before a")
     expect(refusal).to_contain_text("Refused at the step")
     expect(refusal.get_by_role("img")).to_have_attribute("aria-label", re.compile("outline"))
+    assert faults(page) == []
     page.get_by_role("link", name="open").click()
     expect(page.get_by_test_id("refusal")).to_contain_text("was not measured")
     expect(page.get_by_test_id("where")).to_have_text(re.compile(r"frame \d+ of 0–\d+"))
+    assert faults(page) == []
     page.get_by_test_id("do-this").click()
     expect(page.get_by_test_id("delay_us")).to_have_value("0")
     expect(page.get_by_test_id("offset_mm")).to_have_value("24")

@@ -5,10 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Browser, Page
 
 from rigctl.challenge import new
 from rigctl.cli.store.report import report as write_report
+from tests.browser.test_accessibility import BAD, VIOLATIONS
 
 pytestmark = pytest.mark.long
 
@@ -48,6 +50,8 @@ def test_it_loads_nothing_and_fits_the_window(
     page = opened(browser, report, size, "light")
     assert page.evaluate("document.documentElement.scrollWidth") <= size["width"]
     assert page.evaluate(BEYOND) == []
+    page.evaluate(Axe().axe_script)
+    assert [fault["id"] for fault in page.evaluate(VIOLATIONS, BAD)] == []
     assert page.locator("figure svg").count() == 3
     for figure in page.locator("figure svg").all():
         assert figure.bounding_box()["height"] > 150

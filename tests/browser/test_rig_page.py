@@ -10,6 +10,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browser.conftest import FIRST_USE_MS, KEY, Served
+from tests.browser.test_accessibility import faults
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -86,6 +87,7 @@ def test_the_stop_is_in_reach_by_button_and_key_and_is_left_with_a_reason(page: 
     expect(page.get_by_test_id("latched")).to_contain_text("stopped by the page's key")
     expect(page.get_by_test_id("state")).to_have_text("estop")
     expect(page.get_by_test_id("arm")).to_be_disabled()
+    assert faults(page) == []
     page.get_by_test_id("release").click()
     expect(page.get_by_test_id("release-now")).to_be_disabled()
     page.get_by_test_id("reason").fill("looked at the tubes: empty")

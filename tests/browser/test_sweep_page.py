@@ -9,6 +9,8 @@ from urllib.parse import quote
 import pytest
 from playwright.sync_api import Page, expect
 
+from tests.browser.test_accessibility import faults, out_of_reach
+
 pytestmark = pytest.mark.long
 
 LONG_MS = 60_000
@@ -34,6 +36,8 @@ def test_a_sweep_is_previewed_watched_paused_resumed_and_aborted(page: Page) -> 
     expect(state).to_contain_text("aborted", timeout=LONG_MS)
     expect(page.get_by_test_id("resume")).to_have_count(0)
     expect(page.get_by_test_id("steps")).to_contain_text("skipped")
+    assert faults(page) == []
+    assert out_of_reach(page) == []
 
 
 def test_a_stop_in_the_middle_of_a_sweep_fires_nothing_more_until_a_person_says_so(

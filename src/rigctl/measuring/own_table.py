@@ -310,6 +310,11 @@ def _plain(name: str) -> tuple[str, str]:
     return re.sub(r"[^a-z]", "", bare.lower()), unit
 
 
+def unit_in(name: str) -> str:
+    """Return the unit that stands in a column's name; empty for none."""
+    return _plain(name)[1]
+
+
 def _column_name(name: str) -> str:
     """Return the name of a setting as the list of shots takes it."""
     plain = re.sub(r"\W+", "_", name.strip().lower()).strip("_") or "column"

@@ -28,14 +28,16 @@ def table(headings: Row, rows: Iterable[Row], kind: str = "") -> str:
 
 
 def section(heading: str, *parts: str) -> str:
-    """Return a section whose parts are HTML."""
-    return f"<section><h2>{escape(heading)}</h2>\n" + "\n".join(parts) + "\n</section>"
+    """Return a section whose parts are HTML; a wide one is scrolled, by keys as well."""
+    said = escape(heading)
+    inside = "\n".join((f"<h2>{said}</h2>", *parts))
+    return f'<section tabindex="0" aria-label="{said}">{inside}\n</section>'
 
 
 def picture(svg: str, caption: str, links: Sequence[str]) -> str:
     """Return a figure with a caption in text and links in HTML."""
     beside = f' <span class="download">{" · ".join(links)}</span>' if links else ""
-    return f"<figure>{svg}<figcaption>{escape(caption)}{beside}</figcaption></figure>"
+    return f'<figure tabindex="0">{svg}<figcaption>{escape(caption)}{beside}</figcaption></figure>'
 
 
 def download(name: str, rows: Iterable[Row]) -> str:

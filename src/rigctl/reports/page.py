@@ -49,7 +49,7 @@ def reproduce(source: Source) -> str:
     lines = escape("\n".join(commands))
     return section(
         "Reproduce it",
-        f"<pre>{lines}</pre>",
+        f'<pre tabindex="0">{lines}</pre>',
         paragraph(
             "The first makes this file anew, byte for byte, with the same program, libraries and "
             "measurements, and writes the table behind every figure; the second prints the fit to "
@@ -180,7 +180,7 @@ def page(source: Source, found: Results) -> str:
         '<!doctype html>\n<html lang="en">\n<head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         f"<title>{escape(source.title)}: results</title>\n<style>\n{style}</style></head>\n"
-        f"<body>\n{chr(10).join(parts)}\n</body></html>\n"
+        f"<body>\n<main>\n{chr(10).join(parts)}\n</main>\n</body></html>\n"
     )
 
 

@@ -15,6 +15,7 @@ from rigctl.measuring.own_table import (
     Converted,
     convert,
     read_table,
+    unit_in,
     write_table,
 )
 from rigctl.page.desk import Desk
@@ -80,8 +81,11 @@ class TableView:
 
         def mean(event: events.ValueChangeEventArguments[str]) -> None:
             units = list(UNITS[MEANINGS[event.value].kind])
-            self._columns[place] = Column(event.value, units[0])
-            unit.set_options(units, value=units[0])
+            # Also after another meaning was tried: the unit is that of the column's name.
+            likely = unit_in(name)
+            now = likely if likely in units else units[0]
+            self._columns[place] = Column(event.value, now)
+            unit.set_options(units, value=now)
             unit.set_visibility(units != [""])
             self._result.refresh()
 
