@@ -6,7 +6,9 @@ beta, how far they lie off the truth in their own standard errors (root mean squ
 and their median errors; below, the same in the part of these errors that belongs to the shot
 alone, without what all shots share (scale, drag); every refused shot with its reason; and what
 processor time a shot took, the start of the daemon and its workers among it.
---seed draws another world; --keep FOLDER keeps its shots; --each prints what every shot is off.
+--diameter-mm and --gravity change all of them, offsets in proportion to the diameter: 12.7 and 1.62
+are half an inch on the Moon. --seed draws another world; --keep FOLDER keeps its shots; --each
+prints every shot.
 Ends 1 if a number is off by more than four of its errors, or no shot of an apparatus was measured.
 """
 
@@ -18,7 +20,7 @@ import os
 import sys
 import tempfile
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -37,6 +39,7 @@ OUT = Path("out/apparatus.json")
 NAMES = ("e", "v_n", "beta")
 MOST_OFF = 4.0
 WAIT_S = 600.0
+CAMPAIGN = "benchmark"
 
 Json = Mapping[str, Any]
 
@@ -109,7 +112,7 @@ class Found:
 def fire(daemon: Daemon, settings: ShotSettings, truths: Path, found: Found) -> None:
     """Fire one shot and hold it against its world."""
     try:
-        shot = fire_and_wait(LocalRig(daemon, "benchmark"), settings, None, WAIT_S, _unseen)
+        shot = fire_and_wait(LocalRig(daemon, "benchmark"), settings, CAMPAIGN, WAIT_S, _unseen)
     except RigError as error:
         found.refused.append(error.sentence())
         return
@@ -126,17 +129,20 @@ def fire(daemon: Daemon, settings: ShotSettings, truths: Path, found: Found) -> 
         found.add(impact, true)
 
 
-def measure(name: str, count: int, seed: int | None = None, keep: Path | None = None) -> Found:
+def measure(name: str, options: argparse.Namespace) -> Found:
     """Fire the shots of one apparatus, in a store of their own."""
     found, began_s = Found(), _cpu_s()
     with tempfile.TemporaryDirectory() as temporary:
-        folder = keep / name if keep else Path(temporary)
-        configuration = _in_store(load(CONFIG / f"{name}.toml"), folder / "data", seed)
+        folder = options.keep / name if options.keep else Path(temporary)
+        usual = load(CONFIG / f"{name}.toml")
+        configuration = _in_store(_in_world(usual, options), folder / "data")
+        size = configuration.spheres[0].diameter_m / usual.spheres[0].diameter_m
         with open_daemon(configuration) as daemon:
             truths = folder / "data/laboratory/truth/truth.jsonl"
-            for settings in shots_of(name, count):
-                fire(daemon, settings, truths, found)
-    found.cpu_s = (_cpu_s() - began_s) / count
+            for settings in shots_of(name, options.shots):
+                offset = round(settings.offset_mm * size, 3)
+                fire(daemon, settings.model_copy(update={"offset_mm": offset}), truths, found)
+    found.cpu_s = (_cpu_s() - began_s) / options.shots
     return found
 
 
@@ -170,6 +176,8 @@ def main() -> int:
     asked = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     asked.add_argument("--shots", type=int, default=6)
     asked.add_argument("--only", choices=APPARATUS)
+    asked.add_argument("--diameter-mm", type=float, help="of both spheres (the configuration's)")
+    asked.add_argument("--gravity", type=float, help="downwards, m/s^2 (the configuration's)")
     asked.add_argument("--seed", type=int, help="of the simulated world (the configuration's)")
     asked.add_argument("--keep", type=Path, metavar="FOLDER", help="keep the shots there")
     asked.add_argument("--each", action="store_true", help="print every shot")
@@ -179,7 +187,7 @@ def main() -> int:
     print(f"{'apparatus':<18} measured {heads}   CPU s a shot")
     all_found: dict[str, Found] = {}
     for name in APPARATUS if options.only is None else (options.only,):
-        found = all_found[name] = measure(name, options.shots, options.seed, options.keep)
+        found = all_found[name] = measure(name, options)
         print(line(name, options.shots, found), flush=True)
         for shot in found.each if options.each else ():
             print(f"    {shot}", flush=True)
@@ -206,15 +214,26 @@ def _settings(
     )
 
 
-def _in_store(configuration: Configuration, folder: Path, seed: int | None) -> Configuration:
-    """Return a configuration with its store and seed, and time for a world on a busy host."""
+def _in_world(usual: Configuration, options: argparse.Namespace) -> Configuration:
+    """Return a configuration with the spheres, the gravity and the seed that were asked for."""
+    changed: dict[str, Any] = {}
+    if options.diameter_mm is not None:
+        changed["spheres"] = tuple(
+            sphere if sphere.plate else replace(sphere, diameter_m=1e-3 * options.diameter_mm)
+            for sphere in usual.spheres
+        )
+    if options.gravity is not None:
+        changed["environment"] = replace(usual.environment, gravity_m_per_s2=options.gravity)
+    if options.seed is not None and usual.simulation is not None:
+        changed["simulation"] = usual.simulation.model_copy(update={"seed": options.seed})
+    return usual.model_copy(update=changed)
+
+
+def _in_store(configuration: Configuration, folder: Path) -> Configuration:
+    """Return a configuration with its store, and time for a world on a busy host."""
     camera = configuration.camera.model_copy(update={"collect_timeout_s": WAIT_S / 4})
     store = StoreSection(folder=str(folder))
-    simulation = configuration.simulation
-    if simulation is not None and seed is not None:
-        simulation = simulation.model_copy(update={"seed": seed})
-    changed = {"store": store, "camera": camera, "simulation": simulation}
-    return configuration.model_copy(update=changed)
+    return configuration.model_copy(update={"store": store, "camera": camera})
 
 
 def _unseen(*_: object) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import threading
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,8 @@ import pytest
 from rigctl import cli
 from rigctl.config import StoreSection, load
 from rigctl.daemon import open_daemon
+from rigctl.firing import fire_and_wait
+from rigctl.local import LocalRig
 from rigctl.settings import ShotSettings
 from simulators.laboratory import Laboratory
 from tests.system.real_rig import until
@@ -54,8 +56,13 @@ def fired(name: str, folder: Path, capsys: pytest.CaptureFixture[str], *settings
     arguments = ["shot", "--local", "--json", "--wait-s", "600", "--config", config]
     assert cli.run([*arguments, *settings]) == 0
     printed = json.loads(capsys.readouterr().out)
-    truth = (folder / "data/laboratory/truth/truth.jsonl").read_text(encoding="utf-8")
-    return Fired(printed, json.loads(truth.splitlines()[-1]))
+    return Fired(printed, truths(folder)[-1])
+
+
+def truths(folder: Path) -> list[Json]:
+    """Return what the world wrote down of each shot."""
+    lines = (folder / "data/laboratory/truth/truth.jsonl").read_text(encoding="utf-8")
+    return [json.loads(line) for line in lines.splitlines()]
 
 
 def off(quantity: Json, truth: float) -> float:
@@ -68,6 +75,35 @@ def ratios(truth: Json) -> tuple[float, float]:
 
 
 NO_PUSHERS = ("--pressure-kpa", "0", "--offset-mm", "0")
+
+
+@pytest.mark.long
+@pytest.mark.timeout(900)
+def test_spheres_of_half_an_inch_on_the_moon_are_measured_in_the_same_view(tmp_path: Path) -> None:
+    # Twenty pixels wide, their markers three, and they fly half a radius from frame to frame.
+    usual = load(CONFIG / "simulated.toml")
+    half = usual.model_copy(
+        update={
+            "spheres": tuple(replace(each, diameter_m=0.0127) for each in usual.spheres),
+            "environment": replace(usual.environment, gravity_m_per_s2=1.62),
+            "store": StoreSection(folder=str(tmp_path / "data")),
+            "camera": usual.camera.model_copy(update={"collect_timeout_s": 120.0}),
+        }
+    )
+    with open_daemon(half) as daemon:
+        rig = LocalRig(daemon, "a test")
+        for pressure, offset in ((30.0, 1.5), (45.0, 3.7), (60.0, 2.6)):
+            wanted = ShotSettings(
+                pressure_a_kpa=pressure, pressure_b_kpa=pressure, offset_mm=offset
+            )
+            shot = fire_and_wait(rig, wanted, None, 600.0, lambda _: None)
+            found, truth = shot["result"], truths(tmp_path)[-1]
+            assert found["status"] == "measured", found
+            e, beta = ratios(truth)
+            assert off(found["e"], e) < SIGMAS
+            assert off(found["beta"], beta) < SIGMAS
+            assert off(found["v_n"], truth["v_n"]) < SIGMAS
+            assert found["e"]["sigma"] < 0.005
 
 
 @pytest.mark.long

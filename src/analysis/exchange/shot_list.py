@@ -14,6 +14,7 @@ from pathlib import Path
 from analysis.errors import InputError, counted
 from analysis.exchange.numbers_seen import NumbersSeen
 from analysis.exchange.rows import each_line, held, not_whole, whole_number
+from analysis.setup import CameraSetup
 
 EXPOSURE = "exposure_us"
 EXCLUDED, NOTE, TAGS = "excluded", "note", "tags"
@@ -48,6 +49,11 @@ class ShotRow:
     def is_excluded(self) -> bool:
         """Whether a person left the shot out of every fit."""
         return EXCLUDED in self.words
+
+
+def exposure_column(camera: CameraSetup) -> dict[str, float]:
+    """Return the column of a shot's exposure, us; empty where it is not known."""
+    return {} if camera.exposure_s is None else {EXPOSURE: round(1e6 * camera.exposure_s, 9)}
 
 
 def read_shot_list(path: Path) -> list[ShotRow]:

@@ -15,6 +15,7 @@ from analysis.photometric.follow.confirmation import shown_shares
 from analysis.photometric.follow.dead_lines import filled
 from analysis.photometric.follow.film import (
     Film,
+    cost_of,
     drop_misfits,
     round_smear,
     settle_film,
@@ -35,6 +36,9 @@ from analysis.tracking import Tracking
 
 LAST_LIMIT = 6.0
 LEAST_PLACED = 6
+POOR_COST, LEAST_GAIN, MORE_ROUNDS = 1.6, 0.95, 3
+"""Cost of a frame (`film.cost_of`; 1.4 by noise alone) from which a film is learned from on, the
+share of it that a round must leave at most for another, and the most rounds."""
 SMEARED_ROUNDS = 3
 """Of learning once more from frames whose smear is taken out."""
 LEAST_SHARE_OF_FILM = 0.88
@@ -73,8 +77,35 @@ def learned_film(frames: Grey, times_s: Floats, setup: Setup) -> tuple[Film, App
         known = sharper([film], known, hold_scale=hold)
     refuse_faint(known)
     settle_film(film, known, LAST_LIMIT)
+    known = _converged(film, known, hold_scale=hold)
     _finish(film, known)
     return film, known
+
+
+def _converged(film: Film, known: Appearance, *, hold_scale: bool) -> Appearance:
+    """Learn on from a film that is poorly explained, as long as that helps.
+
+    Markers of few pixels part from the shading slowly; the next shots would be followed by half of
+    what this one shows.
+    """
+    cost = _typical_cost(film)
+    for _ in range(MORE_ROUNDS):
+        if cost < POOR_COST:
+            break
+        known, before = learn_together([film], known, hold_scale=hold_scale), cost
+        film.refresh(known)
+        settle_film(film, known, LAST_LIMIT)
+        cost = _typical_cost(film)
+        if cost > LEAST_GAIN * before:
+            break
+    return known
+
+
+def _typical_cost(film: Film) -> float:
+    """Return the larger of both spheres' median costs of a frame; 0 where none is placed."""
+    costs = cost_of(film.quality, LAST_LIMIT)
+    own = [costs[i, placed] for i, placed in enumerate(film.placed) if placed.any()]
+    return max((float(np.median(each)) for each in own), default=0.0)
 
 
 def sharper(films: Sequence[Film], known: Appearance, *, hold_scale: bool) -> Appearance:

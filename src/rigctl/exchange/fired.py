@@ -13,8 +13,8 @@ from analysis.campaign import DESCRIPTION, FRAMES, POSES, SHOT_LIST
 from analysis.exchange.description import description
 from analysis.exchange.folder import write_shot_list
 from analysis.exchange.pose_table import PoseRow, write_pose_rows
-from analysis.exchange.shot_list import EXCLUDED, NOTE, TAGS, ShotRow
-from analysis.setup import Setup, SlowErrors
+from analysis.exchange.shot_list import EXCLUDED, NOTE, TAGS, ShotRow, exposure_column
+from analysis.setup import CameraSetup, Setup, SlowErrors, without_exposure
 from analysis.slow_errors import typical
 from rigctl.cameras.frames import FrameSequence
 from rigctl.documents import Json
@@ -22,7 +22,7 @@ from rigctl.errors import AnalysisInputError
 from rigctl.exchange.amending import tags_field
 from rigctl.exchange.documents import CONFIGURATION, SIMULATED
 from rigctl.measuring.stored_poses import poses_of, slow_errors_of
-from rigctl.measuring.stored_shot import manifest_setup
+from rigctl.measuring.stored_shot import exposed_setup
 from rigctl.progress import Progress
 from rigctl.store import ShotRecord
 from rigctl.store.folders import ShotFolders
@@ -67,14 +67,14 @@ def write_fired(
     measured: dict[int, Measured] = {}
     for done, shot in enumerate(shots):
         progress(f"writing shot {shot.id}", done / len(shots))
-        setups[shot.id] = manifest_setup(folders.manifest(shot.id))
+        setups[shot.id] = exposed_setup(folders.manifest(shot.id))
         _write_frames(folder / FRAMES / f"{shot.number:04d}.tiff", folders.frames(shot.id))
         if (found := _measured(shot, folders)) is not None:
             measured[shot.number] = found
     require_one_setup(campaign, setups)
     setup = typical(setups[shots[0].id], [each.slow for each in measured.values()])
     (folder / DESCRIPTION).write_text(description(campaign, setup), encoding="utf-8")
-    write_shot_list(folder / SHOT_LIST, [_row(shot) for shot in shots])
+    write_shot_list(folder / SHOT_LIST, [_row(shot, setups[shot.id].camera) for shot in shots])
     if measured:
         poses = ((number, each.poses) for number, each in measured.items())
         write_pose_rows(folder / POSES, poses)
@@ -97,8 +97,9 @@ def _measured(shot: ShotRecord, folders: ShotFolders) -> Measured | None:
     return Measured(poses_of(result["poses"], slow), slow)
 
 
-def _row(shot: ShotRecord) -> ShotRow:
+def _row(shot: ShotRecord, camera: CameraSetup) -> ShotRow:
     settings = shot.ordered.model_dump(mode="json")
+    numbers = {name: float(value) for name, value in settings.items() if value is not None}
     words = {
         NAME: shot.id,
         SIMULATED: "yes" if shot.simulated else "no",
@@ -110,7 +111,7 @@ def _row(shot: ShotRecord) -> ShotRow:
     return ShotRow(
         shot.number,
         shot.fired_at,
-        {name: float(value) for name, value in settings.items() if value is not None},
+        numbers | exposure_column(camera),
         {name: word for name, word in words.items() if word},
     )
 
@@ -118,12 +119,14 @@ def _row(shot: ShotRecord) -> ShotRow:
 def require_one_setup(name: str, setups: Mapping[str, Setup]) -> None:
     """Require the shots of a campaign, by their names, to have been fired under one set-up.
 
+    The exposure may change from shot to shot.
+
     Raises
     ------
     AnalysisInputError
         Two of them differ: one model of camera and spheres would be wrong for one of them.
     """
-    (first, common), *others = setups.items()
+    (first, common), *others = ((shot, without_exposure(each)) for shot, each in setups.items())
     if other := next((shot for shot, setup in others if setup != common), None):
         raise AnalysisInputError(
             f"shots {first} and {other} differ in camera, spheres or surroundings",

@@ -254,13 +254,13 @@ def read_stored_shot(folder: Path) -> tuple[Grey, Floats, Setup]:
     return (
         read_light(folder / manifest["frames"]["file"]),
         times_s - times_s[:1],
-        _exposed(manifest),
+        exposed_setup(manifest),
     )
 
 
 def _result(folder: Path, method: str, measure: Measure) -> Json:
     manifest = json.loads((folder / "manifest.json").read_bytes())
-    setup = _exposed(manifest)
+    setup = exposed_setup(manifest)
     about: Json = {
         "shot": manifest["shot"],
         "method": method,
@@ -288,7 +288,7 @@ def _result(folder: Path, method: str, measure: Measure) -> Json:
     return document
 
 
-def _exposed(manifest: Json) -> Setup:
+def exposed_setup(manifest: Json) -> Setup:
     """Return the set-up with this shot's own exposure, where it is known."""
     setup = manifest_setup(manifest)
     own = manifest.get("exposure_s")

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from analysis.campaign import FRAMES, POSES
 from analysis.exchange.pose_table import Spheres
-from analysis.exchange.shot_list import EXCLUDED, ShotRow
+from analysis.exchange.shot_list import EXCLUDED, ShotRow, exposure_column
 from analysis.model.data.columns import ShotColumns
 from analysis.model.data.gather import every_shot, gather, gather_poses, nothing_seen, usable
 from analysis.model.data.parts import SHOTS_AT_ONCE
@@ -19,7 +19,7 @@ from analysis.model.data.poses import PoseData
 from analysis.model.data.reading import Reading, stream_poses
 from analysis.model.data.stream import PoseStream
 from analysis.model.data.tables import Data
-from analysis.setup import Setup, SlowErrors
+from analysis.setup import CameraSetup, Setup, SlowErrors
 from analysis.slow_errors import typical
 from rigctl.documents import Json
 from rigctl.errors import AnalysisInputError, NotFoundError
@@ -27,7 +27,7 @@ from rigctl.exchange.fired import require_one_setup
 from rigctl.input_errors import as_analysis_errors
 from rigctl.measuring.measured import MeasuredFiles, each_measured, measured_files
 from rigctl.measuring.stored_poses import poses_of, slow_errors_of
-from rigctl.measuring.stored_shot import manifest_setup
+from rigctl.measuring.stored_shot import exposed_setup
 from rigctl.model.tabulated_campaigns import is_tabulated, tabulated
 from rigctl.opening import read_store
 from rigctl.store import Store, StoreReader
@@ -149,11 +149,12 @@ def stored_shot(campaign: str, files: MeasuredFiles) -> StoredShot:
     try:
         errors = result.get("slow_errors")
         slow = None if errors is None else slow_errors_of(errors)
+        setup = exposed_setup(manifest)
         return StoredShot(
             name=str(manifest["shot"]),
-            row=_row(int(manifest["number"]), manifest, excluded=files.excluded),
+            row=_row(manifest, setup.camera, excluded=files.excluded),
             spheres=poses_of(result["poses"], slow),
-            setup=manifest_setup(manifest),
+            setup=setup,
             slow=slow,
         )
     except (KeyError, TypeError, ValueError) as error:
@@ -164,11 +165,13 @@ def stored_shot(campaign: str, files: MeasuredFiles) -> StoredShot:
         ) from error
 
 
-def _row(number: int, manifest: Json, *, excluded: bool) -> ShotRow:
+def _row(manifest: Json, camera: CameraSetup, *, excluded: bool) -> ShotRow:
     """Return a shot's settings as a row of shots.csv: every number is a covariate."""
+    number = int(manifest["number"])
     fired_at = manifest["fired_at"]
     numbers = {key: float(v) for key, v in manifest["settings"].items() if v is not None}
     time = None if fired_at is None else datetime.fromisoformat(fired_at)
+    numbers |= exposure_column(camera)
     return ShotRow(number, time, numbers, {EXCLUDED: "by a person"} if excluded else {})
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from analysis.exchange.shot_list import read_shot_list
 from analysis.model.data.gather import gather, gather_poses
 from rigctl.errors import AnalysisInputError
 from rigctl.exchange import export_campaign
@@ -57,6 +58,22 @@ def test_excluded_shots_are_left_out_and_named_in_the_catalogue_and_in_its_folde
     again = gather(tmp_path / "out")[1]
     assert_same(found, again)
     assert again.excluded == (2,)
+
+
+def test_each_shot_is_exported_with_its_exposure_and_compared_with_the_longest(
+    store: Store, keep: Keep, tmp_path: Path
+) -> None:
+    # The camera's exposure in a manifest, s; a shot of which none is known has no number.
+    names = keep() + keep(exposure_s=1e-4) + keep(exposure_s=2.5e-4)
+    for name in names:
+        set_frames(store, name)
+    export_campaign(store, "nylon", tmp_path / "out", progress=silent)
+    rows = read_shot_list(tmp_path / "out" / "shots.csv")
+    stated = [row.numbers.get("exposure_us") for row in rows]
+    each = len(names) // 3
+    assert stated == [None] * each + [100.0] * each + [250.0] * each
+    assert campaign_poses(store, "nylon")[1].camera.exposure_s == pytest.approx(2.5e-4)
+    assert gather_poses(tmp_path / "out")[1].camera.exposure_s == pytest.approx(2.5e-4)
 
 
 def test_a_campaign_that_was_fired_is_exported_with_its_poses_frames_and_settings(

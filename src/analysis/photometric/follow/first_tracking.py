@@ -7,6 +7,7 @@ highlights, and where markers are faint or a few pixels wide.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import cv2
@@ -91,6 +92,8 @@ LEFT_BY_THE_LENS = 0.5
 """Of a shift by shading that two filters have taken out, this share stays: the lens widens edges as
 the filter does, (0.8 / 1.2)^2 as much, and no filter shows it."""
 LEAST_COVERAGE = 0.3
+MOSTLY_TURNED = 0.8
+"""Share of a sphere's frames with an orientation from which no fainter markers are looked for."""
 LIMB_SCALE_SIGMA = 0.005
 """Light from one side makes a radius 0.3 to 0.8 % too small where no markers contradict it."""
 
@@ -114,19 +117,44 @@ def first_tracking(frames: Grey, times_s: Floats, setup: Setup) -> Tracking:
         seen = markers_by_darkness(frames, views, discs, radii, (darkness, noise))
         return Sighting.of(seen, radii, times_s)
 
-    darkness = LEAST_DARKNESS
-    try:
-        rough = marked(discs, darkness)
-    except ShotRefusedError as plainly:
-        darkness = FAINT_DARKNESS
-        try:
-            rough = marked(discs, darkness)
-        except ShotRefusedError:
-            raise plainly from None
+    rough, darkness = _best_marked(discs, marked)
     refined = refined_discs(discs, curves, rough, setup, settings)
     # Dark places depend on where the limb is.
     seen = marked(refined, darkness)
     return tracking_of(refined, seen, setup, settings, filter_bias(frames, discs, settings, noise))
+
+
+def _best_marked(
+    discs: FilmDiscs, marked: Callable[[FilmDiscs, float], Sighting]
+) -> tuple[Sighting, float]:
+    """Return the markers and the least darkness by which most frames have an orientation.
+
+    Faint places are asked for where plain ones leave many frames open: of a marker a few pixels
+    wide the blur leaves a third of its darkness. Smudges are among them, so plain ones go first.
+
+    Raises
+    ------
+    ShotRefusedError
+        Neither gives any, for the reason of plain ones.
+    """
+    refusals, found = list[ShotRefusedError](), list[tuple[float, Sighting, float]]()
+    for darkness in (LEAST_DARKNESS, FAINT_DARKNESS):
+        try:
+            sighting = marked(discs, darkness)
+        except ShotRefusedError as own:
+            refusals.append(own)
+            continue
+        share = min(
+            len(turned.frames) / max(len(seen.frames), 1)
+            for turned, seen in zip(sighting.orientations, sighting.markers, strict=True)
+        )
+        if share >= MOSTLY_TURNED:
+            return sighting, darkness
+        found.append((share, sighting, darkness))
+    if not found:
+        raise refusals[0]
+    _, sighting, darkness = max(found, key=lambda own: own[0])
+    return sighting, darkness
 
 
 def track_unmarked(frames: Grey, times_s: Floats, setup: Setup, reason: str) -> Tracking:

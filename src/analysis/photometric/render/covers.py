@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from analysis.photometric.render.camera import axes_at, disc_of, nearer, own_nea
 from analysis.photometric.render.contour import LAYERS, add_cover
 from analysis.photometric.render.residual import Paint
 from analysis.photometric.render.sight import Sight, Stance
-from analysis.photometric.render.smear import at_instant, instants_of
+from analysis.photometric.render.smear import MIDDLE, at_instant, instants_of
 
 AROUND_PX = 4
 """Surroundings of a disc that take part: they determine the background's offset."""
@@ -71,6 +72,12 @@ def closeness(sight: Sight, stance: Stance, view: int) -> float:
 
 
 @part
+def cap_radius(sight: Sight, near: float, towards_eye: float) -> float:
+    """Return a marker's angular radius: the conformal map enlarges a cap on the near side."""
+    return float(sight.look.alpha * (1.0 + near * towards_eye))
+
+
+@part
 def cover_canvas(
     sight: Sight, stance: Stance, view: int
 ) -> tuple[Floats, tuple[int, int], tuple[float, float, float]]:
@@ -101,9 +108,60 @@ def draw_covers(
     directions = seen_from(sight, stance, view)
     near = closeness(sight, stance, view)
     for m in range(directions.shape[0]):
-        # The conformal map enlarges a cap on the near side.
-        cap = (sight.look.alpha * (1.0 + near * directions[m, 2]), sight.look.sigma_px[view])
+        cap = (cap_radius(sight, near, directions[m, 2]), sight.look.sigma_px[view])
         add_cover(canvas, corner, place, directions[m], cap)
+
+
+class Caps(NamedTuple):
+    """Markers of a sphere in one view, at each instant of the exposure, the middle one's first.
+
+    Attributes
+    ----------
+    places
+        Row, column and radius of the disc, pixels, shape (instants, 3).
+    directions
+        `seen_from`, shape (instants, markers, 3).
+    radii
+        Angular radius of each marker as the view sees it, radians, same shape less the last axis.
+    sigma_px
+        Standard deviation of the blur.
+    """
+
+    places: Floats
+    directions: Floats
+    radii: Floats
+    sigma_px: float
+
+
+@part
+def caps_of(sight: Sight, stance: Stance, view: int) -> Caps:
+    """Return the markers of a sphere in one view."""
+    look, count = sight.look, instants_of(sight)
+    places, directions = np.empty((count, 3)), np.empty((count, *look.markers.shape))
+    radii = np.empty((count, look.markers.shape[0]))
+    for n in range(count):
+        own = stance if n == 0 else at_instant(sight, stance, n)
+        place = disc_of(sight.optics, view, own.centre, look.radius_m)
+        places[n, 0], places[n, 1], places[n, 2] = place
+        directions[n] = seen_from(sight, own, view)
+        near = closeness(sight, own, view)
+        for m in range(look.markers.shape[0]):
+            radii[n, m] = cap_radius(sight, near, directions[n, m, 2])
+    return Caps(places, directions, radii, look.sigma_px[view])
+
+
+@part
+def cover_of(caps: Caps, marker: int, row: int, column: int) -> float:
+    """Return how much of a pixel one marker covers, over the whole exposure."""
+    total, count = 0.0, caps.places.shape[0]
+    for n in range(count):
+        pixel = np.zeros((1, LAYERS, 1))
+        place = (caps.places[n, 0], caps.places[n, 1], caps.places[n, 2])
+        cap = (caps.radii[n, marker], caps.sigma_px)
+        add_cover(pixel, (row, column), place, caps.directions[n, marker], cap)
+        share = 1.0 if count == 1 else (MIDDLE if n == 0 else (1.0 - MIDDLE) / 2)
+        total += share * pixel[0, 0, 0]
+    return total
 
 
 @part
