@@ -11,7 +11,7 @@ from playwright.sync_api import Page, expect
 from tests.browser.conftest import FIRST_USE_MS, Served
 from tests.browser.test_model_page import LONG_MS, known_challenge
 
-LOOKS = ((320, "dark"), (820, "light"), (1280, "dark"), (1920, "light"))
+LOOKS = ((320, "dark"), (768, "light"), (1280, "dark"), (1920, "light"))
 PLACES = (
     "/",
     "/commissioning",
