@@ -16,6 +16,9 @@ Floats = NDArray[np.float64]
 _MOST_OBLIQUE = 3.0
 _SLOWEST_SLIP_M_PER_S = 0.01
 _USUAL_TEMPERATURE_C = 23.0
+_SLIP_OF_MU_M_PER_S = 1.0
+"""Slip speed at which a friction that follows it is the stated one: a change per factor of e is one
+of mu there."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,7 +42,7 @@ def coefficients(nature: Nature, settings: Settings, touch: Touch, radius_m: flo
     warmth = settings.temperature_c - _USUAL_TEMPERATURE_C
     restitution *= 1.0 + nature.restitution_per_kelvin * warmth
     friction = nature.friction * (1.0 + nature.friction_drift * settings.order)
-    friction *= 1.0 + nature.friction_speed * np.log(slip / REFERENCE_SPEED_M_PER_S)
+    friction *= 1.0 + nature.friction_speed * np.log(slip / _SLIP_OF_MU_M_PER_S)
     rolling = np.full_like(restitution, nature.rolling_restitution)
     if nature.dependence is not None:
         restitution *= nature.dependence.factor("e", settings, touch, radius_m)

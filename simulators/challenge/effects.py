@@ -131,7 +131,7 @@ _ALL = (
         "friction-speed",
         0.1,
         "1",
-        "relative change of mu for each factor of e in slip speed",
+        "relative change of mu at 1 m/s for each factor of e in slip speed",
         "mu(v)",
         _field("friction_speed"),
         either_sign=True,
