@@ -61,8 +61,16 @@ def test_the_next_film_is_drawn_in_the_place_of_the_last(page: Page) -> None:
     number = int(name.inner_text().removeprefix("Shot "))
     expect(page.get_by_role("img", name=re.compile(f"^film of shot {number},"))).to_be_attached()
     assert film.get_attribute("data-kept") == "yes"
-    captions = frames.all_inner_texts()
-    assert [captions[place] for place in marked(page)] == ["contact"]
+    # The strip is drawn after the film.
+    page.wait_for_function(
+        f"() => ({MARKED}).map((place) => "
+        "document.querySelectorAll('.strip .frame')[place].innerText).join() === 'contact'"
+    )
+
+
+MARKED = """[...document.querySelectorAll(".strip .frame")].map((one, place) => [one, place])
+  .filter(([one]) => getComputedStyle(one).borderTopColor !== "rgba(0, 0, 0, 0)")
+  .map(([, place]) => place)"""
 
 
 def fire(page: Page) -> None:
@@ -72,11 +80,7 @@ def fire(page: Page) -> None:
 
 def marked(page: Page) -> list[int]:
     """Return the places of the frames of the strip whose border is drawn."""
-    found: list[int] = page.locator(".strip .frame").evaluate_all(
-        """(all) => all.map((one, place) => [one, place])
-          .filter(([one]) => getComputedStyle(one).borderTopColor !== "rgba(0, 0, 0, 0)")
-          .map(([, place]) => place)"""
-    )
+    found: list[int] = page.evaluate(MARKED)
     return found
 
 
