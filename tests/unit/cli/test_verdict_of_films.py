@@ -18,7 +18,7 @@ from tests.unit.cli.falling_ball import DIAMETER_MM, FALL, RATE, write
 PX_PER_M = FALL / 9.80665
 MASS_G, DRAG = 60.0, 0.47
 """A hollow ball of 98 mm, whose flights the air bends."""
-FLOOR_PX, STEP_S = 220.0, 2e-5
+FLOOR_PX, STEP_S = 220.0, 2e-6
 LASTING_S = 1.6
 SPEED_LAWS = {"restitution-viscoelastic", "restitution-plastic", "restitution-yield-knee"}
 
@@ -72,7 +72,9 @@ def test_films_of_a_ball_end_in_restitution_that_falls_with_speed(verdict: dict[
     first, *further = verdict["effects"]
     assert first in SPEED_LAWS
     assert set(verdict["alias_set"]) <= SPEED_LAWS
-    assert not further
+    # A rim between two pixels moves a place by 0.005 px, the more at random the faster the ball: an
+    # error of images may be named for it, and no further law.
+    assert set(further) <= {"timing-jitter"}
     assert verdict["chi2_per_dof"] < 1.3
     e = verdict["parameters"]["e"]
     assert abs(named_restitution(verdict, 2.0) - restitution(2.0)) < max(4 * e["sigma"], 0.01)
