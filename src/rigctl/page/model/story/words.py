@@ -203,7 +203,7 @@ STATED = {
 
 
 def alarms_in_plain(alarms: Sequence[Nuisance]) -> list[str]:
-    """Say which stated numbers the fit pulls away, in words; their sizes stand in the tables."""
+    """Return words on the stated numbers that the fit moves away; the tables give their sizes."""
     if not alarms:
         return []
     effects = dict.fromkeys(one.name.partition(".")[0] for one in alarms)
