@@ -1,10 +1,10 @@
 """Every apparatus of the thesis, fired on the simulators: python -m benchmarks.apparatus.
 
 Each configuration fires shots over its range through the real drivers; what is measured of each
-shot by itself is held against what the simulated world wrote down of it. Prints, for e, v_n and
-beta, how far they lie off the truth in their own standard errors (root mean square, and the worst),
-and their median errors; below, the same in the part of these errors that belongs to the shot
-alone, without what all shots share (scale, drag); every refused shot with its reason; and what
+shot by itself is held against what the simulated world wrote down of it. Prints, for e, v_n, v_s,
+v_s' and beta, how far they lie off the truth in their own standard errors (root mean square, and
+the worst), and their median errors; below, the same in the part of these errors that belongs to the
+shot alone, without what all shots share (scale, drag); every refused shot with its reason; and what
 processor time a shot took, the start of the daemon and its workers among it.
 --diameter-mm and --gravity change all of them, offsets in proportion to the diameter: 12.7 and 1.62
 are half an inch on the Moon. --seed draws another world; --keep FOLDER keeps its shots; --each
@@ -36,7 +36,7 @@ from rigctl.settings import ShotSettings
 
 CONFIG = Path(__file__).parents[1] / "config"
 OUT = Path("out/apparatus.json")
-NAMES = ("e", "v_n", "beta")
+NAMES = ("e", "v_n", "v_s", "v_s_after", "beta")
 MOST_OFF = 4.0
 WAIT_S = 600.0
 CAMPAIGN = "benchmark"
@@ -88,7 +88,8 @@ class Found:
         """Add one impact; what is not known has no value."""
         e, words = -truth["v_n_after"] / truth["v_n"], []
         beta = -truth["v_s_after"] / truth["v_s"] if truth["v_s"] else np.nan
-        for name, true in (("e", e), ("v_n", truth["v_n"]), ("beta", beta)):
+        for name in NAMES:
+            true = {"e": e, "beta": beta}.get(name, truth.get(name))
             own = impact.get(name) or {}
             if own.get("value") is None:
                 continue

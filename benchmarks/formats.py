@@ -2,8 +2,8 @@
 
 The simulated pusher rig is filmed at 30 to 1000 full frames a second, and at 1000 with 2 to 6
 pictures a frame; below 500 a second with the slowest spheres that still meet in the field. Beside
-each stands how far e and beta lie off the truth in their own standard errors (root mean square over
-the shots), their median errors, and why shots were refused.
+each stands how far e, v_n, v_s, v_s' and beta lie off the truth in their own standard errors (root
+mean square over the shots), their median errors, and why shots were refused.
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ SHOWN_S = 0.05
 MOST_FRAMES = 120
 SLOW_KPA, FAST_KPA = (14.0, 17.0, 20.0), (30.0, 45.0, 60.0)
 SLOW_BELOW_HZ = 500
+NAMES = ("e", "v_n", "v_s", "v_s_after", "beta")
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,14 +66,16 @@ FORMATS = (
 
 @dataclass(slots=True)
 class Found:
-    """Errors of e and beta in their own standard errors, these errors, and refusals."""
+    """Errors of each number in its own standard errors, these errors, and refusals."""
 
-    off: dict[str, list[float]] = field(default_factory=lambda: {"e": [], "beta": []})
-    sigma: dict[str, list[float]] = field(default_factory=lambda: {"e": [], "beta": []})
+    off: dict[str, list[float]] = field(default_factory=lambda: {name: [] for name in NAMES})
+    sigma: dict[str, list[float]] = field(default_factory=lambda: {name: [] for name in NAMES})
     refused: Counter[str] = field(default_factory=Counter)
 
-    def add(self, name: str, found: Quantity, truth: float) -> None:
-        """Add one coefficient of one shot."""
+    def add(self, name: str, found: Quantity | None, truth: float) -> None:
+        """Add one number of one shot; None where it is open."""
+        if found is None:
+            return
         self.off[name].append((found.value - truth) / found.sigma)
         self.sigma[name].append(found.sigma)
 
@@ -128,8 +131,9 @@ def measure(
             continue
         truth = filmed.truth
         found.add("e", shot.impact.e, -truth["v_n_after"] / truth["v_n"])
-        if shot.impact.beta is not None:
-            found.add("beta", shot.impact.beta, -truth["v_s_after"] / truth["v_s"])
+        found.add("beta", shot.impact.beta, -truth["v_s_after"] / truth["v_s"])
+        for name in ("v_n", "v_s", "v_s_after"):
+            found.add(name, getattr(shot.impact, name), truth[name])
     return found
 
 
@@ -148,18 +152,17 @@ def main() -> None:
     parser.add_argument("--only", help="one format, as 1000x1: frames a second x pictures a frame")
     asked = parser.parse_args()
     shots = asked.shots
-    print(
-        "frames/s x pictures  rows  px/ball  measured  e: off/sigma, sigma  beta: off/sigma, sigma"
-    )
+    heads = "  ".join(f"{name + ': off, σ':>15}" for name in NAMES)
+    print(f"frames/s x pictures  rows  px/ball  measured  {heads}")
     for recorded in FORMATS:
         if asked.only not in {None, f"{recorded.rate}x{recorded.pictures}"}:
             continue
         found = measure(recorded, shots)
-        told = [errors(found, name) for name in ("e", "beta")]
+        told = "  ".join(f"{errors(found, name):>15}" for name in NAMES)
         print(
             f"{recorded.rate:8d} x {recorded.pictures}         {recorded.rows:4d} "
             f"{recorded.scale_px_per_m * DIAMETER_M:7.0f}   {len(found.off['e']):3d}/{shots}  "
-            f"{told[0]}        {told[1]}"
+            f"{told}"
         )
         for reason, count in found.refused.most_common(2):
             print(f"    {count} refused, {reason}")

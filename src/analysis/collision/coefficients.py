@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.arrays import Floats
+from analysis.collision.derivative import derivative
 from analysis.collision.impact import ContactState, impact_velocities
 from analysis.collision.instant import parting_time, touching_time
 from analysis.collision.operator import Body
@@ -207,10 +207,13 @@ def measure_impact(
     def outcomes(states: Floats) -> Floats:
         return _outcomes(states, a.before.reference_s, accelerations, radii, unseen)
 
-    jacobian = _derivative(outcomes, centre, np.sqrt(np.diag(covariance)))
+    if unseen is not None:
+        covariance = covariance + unseen.scatter(outcomes(centre[None])[0])
+        centre, covariance = unseen.shown(outcomes, centre, covariance)
+    jacobian = derivative(outcomes, centre, np.sqrt(np.diag(covariance)))
     spread = jacobian @ covariance @ jacobian.T
     if unseen is not None:
-        spread += unseen.spread(outcomes, centre)
+        spread += unseen.bend(outcomes, centre, covariance, jacobian)
     return _named(outcomes(centre[None])[0], spread, common @ jacobian.T, determined)
 
 
@@ -258,13 +261,6 @@ def _outcomes(
         part for s in (before, after) for part in (s.velocity_a, s.velocity_b, s.spin_a, s.spin_b)
     ]
     return np.concatenate([reference + wait[:, 0], normal, scalars, *parts, lasts], axis=1)
-
-
-def _derivative(f: Callable[[Floats], Floats], x: Floats, sigma: Floats) -> Floats:
-    """Return df/dx by central differences over a tenth of each standard error, all at once."""
-    steps = np.diag(0.1 * sigma)
-    rise = f(x + steps) - f(x - steps)
-    return np.asarray((rise / np.where(sigma > 0.0, 0.2 * sigma, np.inf)[:, None]).T)
 
 
 def _seen_turned(centre: Floats) -> Floats:

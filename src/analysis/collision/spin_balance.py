@@ -2,7 +2,8 @@
 
 One impulse J at the contact changes velocity and spin of a sphere together, I (w' - w) = -R n x J,
 whatever the law of contact. Orientations seen by few markers may be followed in a wrong turn that
-is as smooth as a true one; velocities, which come from the outlines, contradict it.
+is as smooth as a true one; velocities, which come from the outlines, contradict it, and so does the
+other sphere, which the same impulse turns.
 """
 
 from __future__ import annotations
@@ -17,6 +18,9 @@ ALONG_Z = np.array([0.0, 0.0, 1.0])
 MOST_OFF, AGREES = 3.0, 1.0
 """Of what errors allow: spins off by more are contradicted, where the other sphere's agree. A law
 of contact that the balance lacks, as a moment of its own, would bring both off alike."""
+MOST_APART, LESS_SURE = 0.8, 2.0
+"""Of what errors and moments allow: spins of a and b whose changes differ by more contradict each
+other (right ones do by 0.3 at most), and wrong are those of so many times the other's error."""
 NORMAL_TURNS = 0.01
 """Share of the impulse that the normal turns by during a contact of unknown length, at least."""
 
@@ -25,7 +29,31 @@ def contradicted(impact: Impact, bodies: tuple[Body, Body], *, depth_seen: bool)
     """Return the sphere, 0 for a and 1 for b, whose spins the impulse alone contradicts."""
     off = spins_off(impact, bodies, depth_seen=depth_seen)
     worst = int(np.nan_to_num(off).argmax())
-    return worst if off[worst] > MOST_OFF and off[1 - worst] < AGREES else None
+    if off[worst] > MOST_OFF and off[1 - worst] < AGREES:
+        return worst
+    errors = np.linalg.norm(impact.state_sigma[:, 2:], axis=(0, 2))
+    worst = int(np.nan_to_num(errors).argmax())
+    unsure = errors[worst] > LESS_SURE * errors[1 - worst]
+    return worst if unsure and spins_apart(impact, bodies) > MOST_APART else None
+
+
+def spins_apart(impact: Impact, bodies: tuple[Body, Body]) -> float:
+    """Return by how much the changes of both spins differ, over what errors and moments allow.
+
+    One impulse turns both spheres, I_a (w_a' - w_a) / R_a = I_b (w_b' - w_b) / R_b, but for moments
+    of the contact's own. Not a number where a spin is not measured, and with a plate.
+    """
+    before, after = impact.before, impact.after
+    velocity = (after.velocity_b - before.velocity_b) - (after.velocity_a - before.velocity_a)
+    changes = after.spin_a - before.spin_a, after.spin_b - before.spin_b
+    if any(body.is_plate for body in bodies):
+        return float("nan")
+    levers = np.array([body.inertia / body.radius for body in bodies])
+    errors = levers * np.linalg.norm(impact.state_sigma[:, 2:], axis=(0, 2))
+    impulse = float(np.linalg.norm(velocity)) / sum(1.0 / body.mass for body in bodies)
+    moments = _normal_turns(impact, bodies) * impulse
+    apart = np.linalg.norm(levers[0] * changes[0] - levers[1] * changes[1])
+    return float(apart / np.hypot(np.linalg.norm(errors), moments))
 
 
 def spins_off(impact: Impact, bodies: tuple[Body, Body], *, depth_seen: bool) -> Floats:

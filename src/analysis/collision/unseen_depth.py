@@ -1,10 +1,12 @@
-"""What a camera without a mirror does not see: by how much depth may change an impact's numbers.
+"""What a camera without a mirror does not see: what spins show of depth, and what may be besides.
 
 Without the mirror Z is taken as constant (thesis, section 3.3). The true spheres lie off each
 other in depth and drift in it, which turns the normal and the surface velocity out of the picture,
-and friction pushes them out of it. Spins are seen whole: the moment of the impulse, which they
-show, gives what friction does in depth. The rest enters the numbers mostly by its square, so that
-no derivative shows it: whole impacts with depths drawn as tubes scatter them are worked out.
+and friction pushes them out of it. Spins are seen whole, and their change shows all three: the
+moment of the impulse gives what friction does in depth, it stands across the normal, which gives
+the normal's tilt, and across the surface velocity that friction opposes, which gives the drift.
+What is left enters the numbers partly by its square, so that no derivative shows it: whole impacts
+with drawn depths are worked out.
 """
 
 from __future__ import annotations
@@ -16,6 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.arrays import Floats
+from analysis.collision.contact_frames import DURATIONS_AFTER, longest_contact
+from analysis.collision.derivative import derivative
 from analysis.collision.instant import touching_time
 from analysis.collision.operator import Body
 
@@ -26,7 +30,20 @@ gives as much."""
 FRICTION_SIGMA = 0.05
 """Assumed where no spin is known: standard deviation of friction in depth over the normal impulse.
 """
-DRAWS = 500
+MOST_OFF = 4.0
+"""Standard errors beyond which depth that spins show is none: one of them is wrong."""
+TURN_SHARE, TURN_SIGMA = 0.25, 1e-3
+"""Standard errors of the normal at the middle of the contact, as a share of its turn since first
+touch, and of the direction of friction against the surface velocity there, rad."""
+DRAWS = 250
+"""Depths that are drawn, each of them to either side."""
+PLACES, DRIFTS, PUSHED = [2, 8], [5, 11], [17, 23]
+"""Where a state holds depths of a and b, velocities in depth before and after contact."""
+NORMAL, V_N, STATES, DURATION = slice(1, 4), 4, slice(10, 34), 34
+"""Where these stand among the outcomes; states are velocities and spins of a and b."""
+
+Outcomes = Callable[[Floats], Floats]
+"""From states, shape (n, 37), to numbers, shape (n, 35), as in `coefficients.measure_impact`."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,43 +91,129 @@ class UnseenDepth:
         pushed = (along * depth + across)[:, None] / np.array([-a.mass, b.mass])
         return np.asarray(velocity[:, :2, 2] + velocity[:, 2:, 2] + pushed)
 
-    def spread(self, outcomes: Callable[[Floats], Floats], centre: Floats) -> Floats:
-        """Return the mean squares and products of what unseen depth changes, shape (35, 35).
+    def scatter(self, numbers: Floats) -> Floats:
+        """Return the covariance of depth among the states, as launches scatter it, shape (37, 37).
 
         Parameters
         ----------
-        outcomes, centre
-            As in `coefficients.measure_impact`: from states (n, 37) to numbers (n, 35).
+        numbers
+            Outcomes of the pair without depth, shape (35,).
+        """
+        masses = np.array([body.mass for body in self.bodies])
+        diameters = 2.0 * np.array([body.radius for body in self.bodies])
+        speeds = np.linalg.norm(numbers[10:16].reshape(2, 3), axis=1)
+        covariance = np.zeros((37, 37))
+        covariance[PLACES, PLACES] = (PLACE_SIGMA * diameters) ** 2
+        covariance[DRIFTS, DRIFTS] = (SLOPE_SIGMA * speeds) ** 2
+        if not self.spins_known.any():
+            impulse = (numbers[6] - numbers[4]) / (1.0 / masses).sum()
+            pushed = FRICTION_SIGMA * impulse / (masses * [-1.0, 1.0])
+            covariance[np.ix_(PUSHED, PUSHED)] = np.outer(pushed, pushed)
+        return covariance
+
+    def shown(
+        self, outcomes: Outcomes, centre: Floats, covariance: Floats
+    ) -> tuple[Floats, Floats]:
+        """Return state and covariance by what the spins show of depth.
+
+        Parameters
+        ----------
+        outcomes
+            From states to numbers.
+        centre, covariance
+            State without depth, and its covariance with what depth may be, shapes (37,), (37, 37).
+
+        Notes
+        -----
+        Forces at the contact change what both spheres turn with by -(R_a + R_b) n x J, whatever
+        moments of its own the contact has: those on a and b are opposite. So the sum of both
+        changes, I_a (w_a' - w_a) + I_b (w_b' - w_b), stands across the normal; and across the
+        surface velocity, as nothing but that tells friction of like directions where to push. A
+        step of a Kalman filter holds it to either, the normal taken at the middle of the contact.
+        """
+        if not self.spins_known.all():
+            return centre, covariance
+        for which in (0, 1):
+            numbers = outcomes(centre[None])[0]
+            jacobian = derivative(outcomes, centre, np.sqrt(np.diag(covariance)))
+            turn = self._turn(numbers)
+
+            def off(some: Floats, turn: Floats = turn, which: int = which) -> Floats:
+                return self._across(some, turn)[:, which : which + 1]
+
+            value = float(off(numbers[None])[0, 0])
+            slope = (derivative(off, numbers, np.ones(len(numbers))) @ jacobian)[0]
+            by_turn = TURN_SHARE * (value - float(off(numbers[None], np.zeros(3))[0, 0]))
+            by_law = TURN_SIGMA * self._across(numbers[None], turn)[0, 2] if which else 0.0
+            along = covariance @ slope
+            variance = float(slope @ along) + by_turn**2 + by_law**2
+            if 0.0 < value**2 <= MOST_OFF**2 * variance:
+                centre = centre - along * (value / variance)
+                covariance = covariance - np.outer(along, along) / variance
+        return centre, covariance
+
+    def _turn(self, numbers: Floats) -> Floats:
+        """Return what the normal has changed by at the middle of the contact, shape (3,)."""
+        normal = numbers[NORMAL]
+        relative = numbers[13:16] - numbers[10:13]
+        longest = DURATIONS_AFTER * float(longest_contact(-numbers[V_N], self.bodies))
+        lasts = np.clip(np.nan_to_num(numbers[DURATION], nan=longest), 0.0, longest)
+        reach = self.bodies[0].radius + self.bodies[1].radius
+        return np.asarray(0.5 * lasts / reach * (relative - (relative @ normal) * normal))
+
+    def _across(self, numbers: Floats, turn: Floats) -> Floats:
+        """Return what the spheres turn more with along the normal and the surface velocity.
+
+        And the product of this change and the surface velocity, shape (n, 3).
+
+        Parameters
+        ----------
+        numbers
+            Outcomes, shape (n, 35).
+        turn
+            Of the normal since first touch, shape (3,).
+        """
+        before, after = numbers[:, STATES].reshape(-1, 2, 4, 3).swapaxes(0, 1)
+        inertia = np.array([body.inertia for body in self.bodies])
+        radii = np.array([body.radius for body in self.bodies])
+        turned = np.einsum("i,nij->nj", inertia, after[:, 2:] - before[:, 2:])
+        normal = numbers[:, NORMAL] + turn
+        normal = normal / np.linalg.norm(normal, axis=1, keepdims=True)
+        slip = before[:, 1] - before[:, 0]
+        slip = slip - (slip * normal).sum(axis=1, keepdims=True) * normal
+        slip = slip + np.cross(normal, np.einsum("i,nij->nj", radii, before[:, 2:]))
+        both = np.linalg.norm(turned, axis=1) * np.linalg.norm(slip, axis=1)
+        return np.stack([(turned * normal).sum(axis=1), (turned * slip).sum(axis=1), both], axis=1)
+
+    def bend(
+        self, outcomes: Outcomes, centre: Floats, covariance: Floats, jacobian: Floats
+    ) -> Floats:
+        """Return mean squares and products of what depth changes beyond its derivatives.
+
+        Parameters
+        ----------
+        outcomes, jacobian
+            From states to numbers, and its derivatives at `centre`, shape (35, 37).
+        centre, covariance
+            State and its covariance, shapes (37,) and (37, 37).
 
         Returns
         -------
-        Not a number where no drawn pair touches.
+        Shape (35, 35); not a number where no drawn pair touches.
         """
-        numbers = outcomes(centre[None])
-        states = self._drawn(numbers[0], centre)
+        free = PLACES + DRIFTS + PUSHED
+        sizes, axes = np.linalg.eigh(covariance[np.ix_(free, free)])
+        drawn = np.random.default_rng(0).standard_normal((DRAWS, len(free)))
+        drawn = (drawn * np.sqrt(np.clip(sizes, 0.0, None))) @ axes.T
+        moved = np.zeros((2 * DRAWS, len(centre)))
+        moved[:, free] = np.concatenate([drawn, -drawn])
+        states = centre + moved
         paths = states[:, :24].reshape(-1, 4, 2, 3)
         between = paths[:, 1] - paths[:, 0]
         reach = np.array(self.bodies[0].radius + self.bodies[1].radius)
         touch = ~np.isnan(touching_time(between[:, 0], between[:, 1], reach))
         if not touch.any():
-            return np.full((numbers.shape[1],) * 2, np.nan)
-        change = np.nan_to_num(outcomes(states[touch]) - numbers)
+            return np.full((len(jacobian),) * 2, np.nan)
+        change = outcomes(states[touch]) - outcomes(centre[None]) - moved[touch] @ jacobian.T
+        change = np.nan_to_num(change)
         return np.asarray(change.T @ change / touch.sum())
-
-    def _drawn(self, numbers: Floats, centre: Floats) -> Floats:
-        """Return the state with drawn depths, shape (`DRAWS`, 37); the same draws each time."""
-        rng = np.random.default_rng(0)
-        masses = np.array([body.mass for body in self.bodies])
-        diameters = 2.0 * np.array([body.radius for body in self.bodies])
-        speeds = np.linalg.norm(numbers[10:16].reshape(2, 3), axis=1)
-        places = rng.standard_normal((DRAWS, 2)) * PLACE_SIGMA * diameters
-        drifts = rng.standard_normal((DRAWS, 2)) * SLOPE_SIGMA * speeds
-        states = np.tile(centre, (DRAWS, 1))
-        states[:, [2, 14]] = places[:, :1]
-        states[:, [8, 20]] = places[:, 1:]
-        states[:, [5, 11]] = drifts
-        if not self.spins_known.any():
-            impulse = (numbers[6] - numbers[4]) / (1.0 / masses).sum()
-            friction = FRICTION_SIGMA * impulse * rng.standard_normal((DRAWS, 1))
-            states[:, [17, 23]] = friction / (masses * [-1.0, 1.0])
-        return states

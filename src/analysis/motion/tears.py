@@ -176,7 +176,7 @@ TRIED = 24
 """Frames through which rates are tried, evenly through the track."""
 SHORTEST = 0.125
 """Of a pair of frames that gives a rate, share of the track."""
-MOST_ASTRAY, LEAST_TOGETHER = 0.05, 0.5
+MOST_ASTRAY, LEAST_TOGETHER = 0.05, 0.8
 """Share of the weight off the best rate that a robust fit bears, and that the best rate needs."""
 
 LEAST_TURNS_CHECKED = 3

@@ -38,11 +38,31 @@ def require_within(settings: ShotSettings, limits: Limits) -> None:
                 value=f"{value:g} {unit}",
                 todo="leave it out",
             )
-        if value is None or not bounds[0] <= value <= bounds[1]:
+        if value is None:
             raise SettingsError(
-                "is needed" if value is None else OUTSIDE,
+                "is needed",
                 part=field,
-                value=None if value is None else f"{value:g} {unit}",
+                limit=allowed(field, limits),
+                todo="choose a value within the limits",
+            )
+        require_value(field, value, limits)
+
+
+def require_value(field: str, value: float, limits: Limits) -> None:
+    """Check one value of a setting against the rig's limits; any is right where there are none.
+
+    Raises
+    ------
+    SettingsError
+        It lies outside.
+    """
+    for name, limit, unit in _FIELDS:
+        bounds: tuple[float, float] | None = getattr(limits, limit)
+        if name == field and bounds is not None and not bounds[0] <= value <= bounds[1]:
+            raise SettingsError(
+                OUTSIDE,
+                part=field,
+                value=f"{value:g} {unit}",
                 limit=allowed(field, limits),
                 todo="choose a value within the limits",
             )

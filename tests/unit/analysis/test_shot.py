@@ -134,13 +134,16 @@ def test_three_and_three_takes_frames_two_milliseconds_apart(rendered: RenderedS
         assert np.diff(used).tolist() == [2, 2]
 
 
-def test_a_set_up_without_top_view_keeps_z_constant(rendered: RenderedShot) -> None:
+def test_without_a_top_view_z_is_constant_and_the_spins_show_the_tilt(
+    rendered: RenderedShot,
+) -> None:
     camera = replace(SETUP.camera, top_view_rows=None, top_origin_px=None)
     frames = rendered.frames.copy()
     frames[:, : camera.front_view_rows[0] - 1] = 34
     result = found(analyse_shot(frames, rendered.times_s, replace(SETUP, camera=camera)))
     assert not result.centres[0].position[:, 2].any()
-    assert result.impact.normal[2] == 0.0
+    off = result.impact.normal[2] - rendered.truth["normal"][2]
+    assert abs(off) < 3.0 * result.impact.normal_sigma[2]
     assert result.impact.v_n.value == pytest.approx(rendered.truth["v_n"], rel=0.02)
 
 

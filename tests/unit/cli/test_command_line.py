@@ -101,7 +101,7 @@ def test_a_setting_beyond_physics_is_refused_with_the_limits_of_the_rig(
     low, high = tomllib.loads(default_path().read_text())["limits"]["pressure_kpa"]
     assert cli.run(["shot", "--pressure-kpa", pressure, "--offset-mm", "6"]) == 2
     said = capsys.readouterr().err
-    assert f"outside the rig's limits (found {float(pressure)}, allowed {low:g} to {high:g}" in said
+    assert f"outside the rig's limits (found {pressure} kPa, allowed {low:g} to {high:g}" in said
 
 
 @pytest.mark.parametrize(("arguments", "named"), BAD_INPUT)

@@ -126,7 +126,12 @@ def test_a_detached_sweep_is_left_to_the_daemon(daemon: Daemon, capsys: Any) -> 
         (["--pressure-kpa", "40:40:3", "--offset-mm", "1"], "empty"),
         (["--pressure-kpa", "40,40", "--offset-mm", "1"], "40 stands twice"),
         (["--pressure-kpa", "nan", "--offset-mm", "1"], "finite"),
-        (["--pressure-kpa", "40", "--offset-mm", "500"], "offset_mm"),
+        (["--pressure-kpa", "40", "--offset-mm", "500"], "offset_mm.*500 mm.*0 to 24 mm.*choose"),
+        (
+            ["--pressure-kpa=-5:40:2", "--offset-mm", "1"],
+            "pressure_a_kpa.*-5 kPa.*5 to 120 kPa.*choose",
+        ),
+        (["--pressure-kpa", "40,2000", "--offset-mm", "1"], "2000 kPa, allowed 5 to 120 kPa"),
         ([*RANGES, "--until", "e"], "NAME=SIGMA"),
         ([*RANGES, "--until", "mu=0.1"], "until.coefficient"),
         ([*RANGES, "--adaptive"], "--until"),

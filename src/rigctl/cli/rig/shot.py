@@ -20,7 +20,7 @@ from rigctl.config import load
 from rigctl.errors import NotFoundError, RefusedError, SettingsError
 from rigctl.firing import ON_THE_WAY, Operable, fire_and_wait
 from rigctl.plain_text import require_word
-from rigctl.rig.bounds import OUTSIDE, allowed
+from rigctl.rig.bounds import allowed, require_value
 from rigctl.settings import ShotSettings
 
 _WITHOUT_FRAMES = frozenset({"misfire", "aborted", "unknown_outcome", "interrupted"})
@@ -122,14 +122,15 @@ def settings_of(config: Path | None, **fields: float | None) -> ShotSettings:
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         name = str(first["loc"][0])
-        limit = allowed(name, load(config).limits)
+        limits = load(config).limits
         # The bounds of physics are wider: they would name a limit that is none of this rig's.
-        beyond = limit is not None and first["type"] in {"greater_than_equal", "less_than_equal"}
+        if first["type"] in {"greater_than_equal", "less_than_equal"}:
+            require_value(name, float(first["input"]), limits)
         raise SettingsError(
-            OUTSIDE if beyond else first["msg"][0].lower() + first["msg"][1:],
+            first["msg"][0].lower() + first["msg"][1:],
             part=name,
             value=str(first["input"]),
-            limit=limit,
+            limit=allowed(name, limits),
             todo="choose another value",
         ) from error
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 import uuid
 from collections.abc import Callable, Iterator, Mapping
@@ -16,8 +17,10 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 from rigctl.cli.options import Config, Json, Key, KeyFile, given_key
 from rigctl.cli.output import print_json
 from rigctl.client import connected
-from rigctl.config.loading import checked
+from rigctl.config import load
+from rigctl.config.loading import checked, read_toml
 from rigctl.errors import ConfigurationError, NotFoundError, RefusedError, SettingsError
+from rigctl.rig.bounds import require_value
 from rigctl.sweeps.form import Sweep, read_sweep
 
 Document = Mapping[str, Any]
@@ -91,7 +94,8 @@ def run(
     Raises
     ------
     ConfigurationError, SettingsError
-        The file cannot be; neither file nor ranges are given, or both; or a range cannot be.
+        The file cannot be; neither file nor ranges are given, or both; a range cannot be, or lies
+        outside the rig's limits.
     RefusedError
         The daemon refused it, or it was paused or aborted before its end.
     """
@@ -116,7 +120,13 @@ def run(
         order["until"] = _until(until) | {"adaptive": adaptive}
     elif adaptive and file is None:
         raise SettingsError("has no aim", part="--adaptive", todo="say --until NAME=SIGMA")
-    form = _of_ranges(ranges, order) if file is None else _of_file(file, ranges)
+    try:
+        form = _of_ranges(ranges, order) if file is None else _of_file(file, ranges)
+    except ConfigurationError:
+        # Where a value is beyond any rig, this rig's own limits say what may be asked of it.
+        levels = read_toml(file).get("grid") if file and not ranges else _grid(ranges)
+        _require_within(levels, config)
+        raise
     with connected(config, given_key(key, key_file)) as daemon:
         document = form.model_dump(mode="json", exclude_defaults=True)
         started = daemon.start_sweep(document, str(uuid.uuid4()))
@@ -203,9 +213,29 @@ def _of_ranges(ranges: Mapping[str, tuple[str, str]], order: Document) -> Sweep:
         raise ConfigurationError(
             "a sweep needs a file, or --pressure-kpa and --offset-mm", todo="give one of them"
         )
-    grid = {name: _levels(*given) for name, given in ranges.items()}
+    grid = _grid(ranges)
     document = {name: value for name, value in order.items() if value is not None}
     return checked(Sweep, {**document, "grid": grid}, "rigctl sweep")
+
+
+def _grid(ranges: Mapping[str, tuple[str, str]]) -> Document:
+    return {name: _levels(*given) for name, given in ranges.items()}
+
+
+def _require_within(grid: object, config: Path | None) -> None:
+    """Check the levels of a grid against this rig's limits; what is no grid has none.
+
+    Raises
+    ------
+    SettingsError
+        A level lies outside; those between the ends of a range lie within where the ends do.
+    """
+    limits = load(config).limits
+    for name, levels in grid.items() if isinstance(grid, dict) else ():
+        ends = [levels.get("first"), levels.get("last")] if isinstance(levels, dict) else levels
+        for value in ends if isinstance(ends, list) else [ends]:
+            if isinstance(value, (int, float)) and math.isfinite(value):
+                require_value(name, float(value), limits)
 
 
 def _levels(option: str, text: str) -> list[float] | Document:
