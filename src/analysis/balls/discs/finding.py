@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from analysis.arrays import Floats, Singles
 from analysis.balls.discs.gradient import SIGMA_PX, Gradient, gradient
-from analysis.balls.discs.judging import LEAST_SECTORS, false_alarms, fit_circle
+from analysis.balls.discs.judging import LEAST_SECTORS, PASSES, false_alarms, fit_circle
+from analysis.balls.discs.refining import CORRELATED, refined, with_rim
 from analysis.balls.discs.votes import RADIUS_STEP, candidates
 
 SEARCH_RADIUS_PX = 12.5
@@ -22,10 +23,6 @@ SURE = -6.0
 DOUBTFUL = -2.0
 CHANGED = 3.0
 """By how many powers of ten discs of a closed or opened picture must be surer: both round off."""
-CORRELATED = 2.5
-"""By how much neighbouring edge points, which share what noise the filter saw, enlarge errors."""
-RIM_PX, RIM_RADII = 0.01, 0.001
-"""What shading leaves of a centre's error, px and radii (python -m benchmarks.balls.finding)."""
 SAME_CENTRE, SAME_RADIUS = 0.25, 0.25
 """Two circles nearer than these shares of the radius are one."""
 SAME_RING = 0.15
@@ -147,17 +144,26 @@ def _of_versions(values: Singles, sought: _Sought, versions: tuple[int | None, .
     whole = [disc for disc in accepted if not any(_on(disc, other) for other in accepted)]
     # The border of what is lit, or saturated, on a sphere is a circle too, next to its rim or not.
     whole = [disc for disc in whole if not any(_less_sure_ring(disc, other) for other in whole)]
-    return [_with_errors(_refined(values, disc, sought.sigma_px)) for disc in whole]
+    return [_refined(values, disc, sought.sigma_px) for disc in whole]
 
 
-def _with_errors(disc: Disc) -> Disc:
-    """Return a disc with errors that hold what edge points have in common."""
-    rim = RIM_PX + RIM_RADII * disc.radius
-    row, column, radius = (
-        math.hypot(CORRELATED * sigma, rim)
-        for sigma in (disc.row_sigma, disc.column_sigma, disc.radius_sigma)
+def _refined(values: Singles, disc: Disc, sigma_px: float) -> Disc:
+    """Return a disc with its circle fitted to the edges of the whole picture, errors and all."""
+    place = np.array([disc.row, disc.column, disc.radius])
+    sigmas = np.array([disc.row_sigma, disc.column_sigma, disc.radius_sigma])
+    found = refined(values, place, sigma_px)
+    if found is not None:
+        place, sigmas = found
+    (row, column, radius), errors = place.tolist(), with_rim(sigmas, disc.radius).tolist()
+    return replace(
+        disc,
+        row=row,
+        column=column,
+        radius=radius,
+        row_sigma=errors[0],
+        column_sigma=errors[1],
+        radius_sigma=errors[2],
     )
-    return replace(disc, row_sigma=row, column_sigma=column, radius_sigma=radius)
 
 
 def _outermost(waiting: list[_Candidate], best: _Candidate) -> _Candidate:
@@ -248,7 +254,7 @@ def _levels(values: Singles, sought: _Sought, versions: tuple[int | None, ...]) 
 
 
 def _judged(level: _Level, alive: NDArray[np.bool_], place: Floats, tests: float) -> Disc | None:
-    fit = fit_circle(level.gradient.edges, alive, np.ascontiguousarray(place))
+    fit = fit_circle(level.gradient.edges, alive, np.ascontiguousarray(place), len(PASSES))
     radius, sectors = float(fit[2]), float(fit[6])
     if radius <= 0 or sectors < LEAST_SECTORS:
         return None
@@ -259,7 +265,7 @@ def _judged(level: _Level, alive: NDArray[np.bool_], place: Floats, tests: float
         field = field.copy()
         field[0][level.taken > 0] = 0.0
     alarms, rim = false_alarms(field, level.gradient.threshold, fit[:3].copy(), tests).tolist()
-    row_sigma, column_sigma, radius_sigma = (level.factor * fit[3:6]).tolist()
+    row_sigma, column_sigma, radius_sigma = (CORRELATED * level.factor * fit[3:6]).tolist()
     return Disc(
         row=level.outward(float(fit[0])),
         column=level.outward(float(fit[1])),
@@ -300,28 +306,3 @@ def _one(a: Disc, b: Disc) -> bool:
 def _touch(a: Disc, b: Disc) -> bool:
     apart = math.hypot(a.row - b.row, a.column - b.column)
     return apart < 1.1 * (a.radius + b.radius)
-
-
-def _refined(values: Singles, disc: Disc, sigma_px: float) -> Disc:
-    """Return a disc with its circle fitted to the edges of the whole picture."""
-    reach = math.ceil(1.25 * disc.radius + 6)
-    top, left = max(0, int(disc.row) - reach), max(0, int(disc.column) - reach)
-    window = values[top : int(disc.row) + reach + 1, left : int(disc.column) + reach + 1]
-    if min(window.shape[:2]) < 8:
-        return disc
-    edges = gradient(np.ascontiguousarray(window), sigma_px).edges
-    place = np.array([disc.row - top, disc.column - left, disc.radius])
-    fit = fit_circle(edges, np.ones(len(edges), np.bool_), place)
-    row, column, radius, *sigmas, sectors = fit.tolist()
-    moved = math.hypot(row - place[0], column - place[1])
-    if radius <= 0 or sectors < LEAST_SECTORS or moved > 0.1 * disc.radius + 1.0:
-        return disc
-    return replace(
-        disc,
-        row=row + top,
-        column=column + left,
-        radius=radius,
-        row_sigma=sigmas[0],
-        column_sigma=sigmas[1],
-        radius_sigma=sigmas[2],
-    )

@@ -143,7 +143,10 @@ def _sectors(
 
 @compiled
 def fit_circle(
-    edges: NDArray[np.float32], alive: NDArray[np.bool_], start: NDArray[np.float64]
+    edges: NDArray[np.float32],
+    alive: NDArray[np.bool_],
+    start: NDArray[np.float64],
+    bands: int,
 ) -> NDArray[np.float64]:
     """Fit a circle to the edge points near a candidate, in a band that narrows from pass to pass.
 
@@ -151,6 +154,8 @@ def fit_circle(
     ----------
     start
         Row, column, radius.
+    bands
+        How many of the bands are gone through, the widest first.
 
     Returns
     -------
@@ -161,7 +166,7 @@ def fit_circle(
     circle = start.copy()
     sums, limits = np.zeros((4, 4)), np.zeros(2)
     matrix, right = np.zeros((3, 3)), np.zeros(3)
-    for step in range(2 * len(_BANDS)):
+    for step in range(2 * bands):
         limits[0] = max(LEAST_BAND_PX, _BANDS[step // 2, 0] * circle[2])
         limits[1] = _BANDS[step // 2, 1]
         _gather(edges, alive, circle, limits, sums)

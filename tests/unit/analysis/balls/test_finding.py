@@ -19,7 +19,7 @@ def test_discs_of_several_sizes_are_found_once_each_with_their_radii() -> None:
         # The filter makes a disc too large by about sigma^2 / (2 R).
         assert nearest.radius == pytest.approx(radius, abs=0.15)
         assert nearest.rim > 0.85
-        assert 0.0 < nearest.row_sigma < 0.05
+        assert 0.0 < nearest.row_sigma < 0.08
 
 
 def test_dark_discs_on_a_bright_ground_are_found_as_well() -> None:
