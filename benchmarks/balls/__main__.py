@@ -2,9 +2,10 @@
 
 For each camera films of other balls, lights, grounds and drops are drawn, measured as `rigctl
 analyse` does, and held against the law that they were drawn with: e's error and its pull (error
-over stated error; 1 rms is right), and the same of places: as they are, and up to a shift and a
-scale, which flights do not tell. Films of `--keep` are drawn once. With `--worlds` films are what
-telephones make of real rooms: H.264, exposure set anew, seams, white on bright, hands, shadows.
+over stated error; 1 rms is right), what that error consists of, and the same of places: as they
+are, and up to a shift and a scale, which flights do not tell. Films of `--keep` are drawn once.
+With `--worlds` films are what telephones make of real rooms: H.264, exposure set anew, seams, white
+on bright, hands, shadows.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ import numpy as np
 
 from analysis.balls.analysis import AnalysedFilm, FilmJob, analyse_film
 from analysis.balls.films.reading import film_of_shot
+from analysis.balls.flight.budget import budget
 from analysis.balls.flight.known import Ball
 from analysis.balls.measuring import coefficient
 from analysis.errors import ShotRefusedError
@@ -28,6 +30,7 @@ from benchmarks.balls.truths import aligned_off
 from benchmarks.balls.worlds import WORLDS, world
 
 NEAR_S = 0.03
+SHOWN = 6
 
 
 @dataclass(slots=True)
@@ -37,6 +40,7 @@ class Tally:
     errors: list[float] = field(default_factory=list)
     pulls: list[float] = field(default_factory=list)
     places: list[tuple[float, float]] = field(default_factory=list)
+    sources: list[dict[str, float]] = field(default_factory=list)
 
     def add(self, error: float, sigma: float) -> None:
         self.errors.append(error)
@@ -51,6 +55,13 @@ class Tally:
             f"{np.abs(errors).max():.5f} at most; pull {np.sqrt((pulls**2).mean()):.2f} rms, "
             f"{np.abs(pulls).max():.1f} at most; places: {self.of_places()}"
         )
+
+    def of_sources(self) -> str:
+        """Say what the errors of e consist of: medians over all bounces, the largest first."""
+        names = {name for each in self.sources for name in each}
+        middle = {n: float(np.median([each[n] for each in self.sources])) for n in names}
+        largest = sorted(middle, key=lambda name: -middle[name])[:SHOWN]
+        return ", ".join(f"{name} {middle[name]:.5f}" for name in largest)
 
     def of_places(self) -> str:
         """Say the pulls of places: of all films together, and of the least and the most true."""
@@ -80,6 +91,7 @@ def main() -> None:
             truth = film(folder, drawn, seed, beside)
             one(folder, drawn, truth, tally)
         print(f"== {kind}: {tally.told()}", flush=True)
+        print(f"   errors of e in the middle: {tally.of_sources()}", flush=True)
 
 
 def _drawn(kind: str, seed: int) -> tuple[Scene, World]:
@@ -112,10 +124,13 @@ def one(folder: Path, drawn: Scene, truth: Truth, tally: Tally) -> None:
         value, sigma = coefficient(found.measured, bounce)
         v_n = flights.contacts[bounce, 1] / flights.scale_px_per_m
         tally.add(value - nearest.e, sigma)
+        sources = budget(flights, bounce, sigma)
+        tally.sources.append(sources)
+        largest = ", ".join(f"{name} {part:.5f}" for name, part in list(sources.items())[:SHOWN])
         print(
             f"   e {value:.4f} ± {sigma:.4f}, drawn {nearest.e:.4f}: {tally.errors[-1]:+.4f}, "
             f"pull {tally.pulls[-1]:+.1f}; v_n {100 * (v_n / nearest.v_n - 1):+.2f} %; "
-            f"time {1e3 * (when - nearest.time):+.3f} ms"
+            f"time {1e3 * (when - nearest.time):+.3f} ms; error: {largest}"
         )
 
 

@@ -15,7 +15,8 @@ from analysis.balls.flight.fit import fit_flights
 from analysis.balls.flight.flights import Flights, Observed, Start
 from analysis.balls.flight.known import Ball, Known, View
 from analysis.balls.searching import Search, search
-from analysis.balls.seen.arcs import Chain
+from analysis.balls.seen.arcs import Arc, Chain
+from analysis.balls.seen.letting_go import rests
 from analysis.balls.seen.looks import Looks
 from analysis.balls.seen.placing import Placed, Placer
 from analysis.balls.seen.windows import Motion, Seen, Window, cut_windows
@@ -110,7 +111,7 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
     motion = _first_motion(chain, found.fall)
     placer = Placer.new(looks.radius_px, exposure_s or 0.0)
     longest = period if exposure_s is None else exposure_s
-    known = Seen(found.gains, found.about)
+    known = Seen(found.gains, found.about, found.unexplained)
     windows = cut_windows(film, looks, motion, longest, known)
     placer.learn_blur(windows, motion)
     if placer.learn_radius(windows, motion):
@@ -119,7 +120,8 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
         windows = cut_windows(film, looks, motion, longest, known)
         placer.learn_blur(windows, motion)
     told = None if exposure_s is not None else placer.learn_exposure(windows, motion, period)
-    bare = placed = _free(placer.place(windows, motion), chain)
+    clear = _free(placer.place(windows, motion), chain)
+    bare = placed = _let_go(clear, chain, times_s, looks.radius_px)
     leans: Leans | None = None
     flights, told_by, earlier, own, row_time = None, placed, placed, windows, 0.0
     coefficients: list[Floats] = []
@@ -190,6 +192,22 @@ def _free(placed: Placed, chain: Chain) -> Placed:
     return placed.of((placed.frames > low) & (placed.frames < high))
 
 
+def _let_go(placed: Placed, chain: Chain, times_s: Floats, radius_px: float) -> Placed:
+    """Return places without those of a ball that rests before its flights or after them."""
+    kept = np.ones(len(placed.frames), dtype=bool)
+    begins, ends = (placed.frames[np.isin(placed.frames, a.frames)] for a in _outer(chain))
+    rows = dict(zip(placed.frames.tolist(), placed.places[:, 0].tolist(), strict=True))
+    for frames in (begins, ends[::-1]):
+        own = np.array([rows[frame] for frame in frames.tolist()])
+        still = rests(times_s[frames], own, radius_px)
+        kept &= ~np.isin(placed.frames, frames[:still])
+    return placed.of(kept)
+
+
+def _outer(chain: Chain) -> tuple[Arc, Arc]:
+    return chain.arcs[0], chain.arcs[-1]
+
+
 def _last_change(coefficients: Sequence[Floats]) -> Floats:
     """Return by how much e of each bounce has changed when the ball's light was learned last."""
     alike = [each for each in coefficients if len(each) == len(coefficients[-1])]
@@ -245,14 +263,13 @@ def _start(found: Search) -> Start:
 
 
 def coefficient(measured: MeasuredBall, bounce: int) -> tuple[float, float]:
-    """Return e of a bounce and its standard error."""
+    """Return e of a bounce and its standard error; `flight.budget` says what it consists of."""
     flights = measured.flights
     if flights is None:
         return math.nan, math.inf
-    contact, slopes = flights.contacts[bounce], flights.contact_slopes[bounce]
-    value = contact[3] / contact[1]
-    slope = slopes[3] / contact[1] - value * slopes[1] / contact[1]
+    contact = flights.contacts[bounce]
+    slope = flights.slopes_of_e(bounce)
     variance = float(slope @ flights.covariance @ slope)
     coded = LEAST_CODEC_E if measured.head.compressed else 0.0
     own = math.sqrt(variance), float(measured.unsettled_e[bounce]), flights.doubt, coded
-    return float(value), math.hypot(*own)
+    return float(contact[3] / contact[1]), math.hypot(*own)

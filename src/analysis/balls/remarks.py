@@ -89,7 +89,7 @@ def _outside(measured: MeasuredBall) -> Iterator[str]:
 
 
 def _hands(measured: MeasuredBall) -> Iterator[str]:
-    """Say where the ball looks otherwise at both ends of its flights: hands let it go.
+    """Say where the ball looks or moves otherwise at both ends of its flights: hands let it go.
 
     Over its own shadow at the plate, and cut by the picture's border, it looks otherwise too.
     """
@@ -99,8 +99,9 @@ def _hands(measured: MeasuredBall) -> Iterator[str]:
         own = arc.frames[out & _whole(measured, arc)]
         if len(own) >= LEAST_PLACES:
             yield (
-                f"in frames {own[0]} to {own[-1]} the ball does not look as it does in the others: "
-                "a hand is at it, or something in front of it; they do not count"
+                f"from frame {own[0]} {_of(arc, own[0])} to frame {own[-1]} {_of(arc, own[-1])} "
+                "the ball does not look or fly as it does in the others: a hand is at it, "
+                "something is in front of it, or the film's rate varies; these frames do not count"
             )
 
 
@@ -118,6 +119,10 @@ def _listed(frames: list[int]) -> str:
     """Return numbers with commas, the first of many."""
     more = f" and {len(frames) - SHOWN} more" if len(frames) > SHOWN else ""
     return ", ".join(map(str, frames[:SHOWN])) + more
+
+
+def _of(arc: Arc, frame: int) -> str:
+    return _at(arc, int(np.flatnonzero(arc.frames == frame)[0]))
 
 
 def _at(arc: Arc, index: int) -> str:

@@ -17,25 +17,33 @@ from rigctl import cli
 Drawn = NDArray[np.uint8]
 SHAPE, RADIUS, RATE, FALL = (240, 120), 14.0, 200.0, 2800.0
 """A ball of 28 px whose fall is 2800 px/s^2: 100 mm across."""
+GROUND, BALL = 60.0, 200.0
+FINE, BLURRED = 8, 5
+"""Parts of a pixel, and how far beyond the ball its blur reaches, px."""
 DIAMETER_MM = 2 * RADIUS / FALL * 9806.65
 SIZE = ("--ball-diameter-mm", f"{DIAMETER_MM:.3f}", "--exposure-us", "0")
 
 
 def picture(row: float, column: float = 60.0) -> Drawn:
-    fine = 4
-    small = np.full(SHAPE, 60.0)
+    """Draw the ball as a lens and a sensor do: blurred first, and then summed over each pixel.
+
+    A disc that is blurred on the grid of pixels has a rim that moves with its place between them,
+    by 0.005 px where each pixel is drawn with four by four.
+    """
+    grey = np.full(SHAPE, GROUND)
     (top, bottom), (left, right) = (
-        (max(int(at - RADIUS) - 2, 0), max(min(int(at + RADIUS) + 3, size), 0))
+        (max(int(at - RADIUS) - BLURRED, 0), max(min(int(at + RADIUS) + BLURRED + 1, size), 0))
         for at, size in zip((row, column), SHAPE, strict=True)
     )
-    rows = (np.arange(top * fine, bottom * fine) + 0.5)[:, None] / fine - 0.5
-    columns = (np.arange(left * fine, right * fine) + 0.5) / fine - 0.5
-    grey = np.where(np.hypot(rows - row, columns - column) < RADIUS, 200.0, 60.0)
-    parts = grey.reshape(max(bottom - top, 0), fine, max(right - left, 0), fine)
-    small[top:bottom, left:right] = parts.mean(axis=(1, 3))
+    rows = (np.arange(top * FINE, bottom * FINE) + 0.5)[:, None] / FINE - 0.5
+    columns = (np.arange(left * FINE, right * FINE) + 0.5) / FINE - 0.5
+    within = np.clip(FINE * (RADIUS - np.hypot(rows - row, columns - column)) + 0.5, 0.0, 1.0)
+    if within.size:
+        within = cv2.GaussianBlur(within, (0, 0), 0.7 * FINE)
+    parts = within.reshape(max(bottom - top, 0), FINE, max(right - left, 0), FINE)
+    grey[top:bottom, left:right] += (BALL - GROUND) * parts.mean(axis=(1, 3))
     noise = np.random.default_rng(int(1e3 * abs(row))).normal(0.0, 1.5, SHAPE)
-    blurred = np.asarray(cv2.GaussianBlur(small, (0, 0), 0.7), np.float64)
-    return np.asarray(np.clip(blurred + noise, 0, 255), np.uint8)
+    return np.asarray(np.clip(np.rint(grey + noise), 0, 255), np.uint8)
 
 
 def write(folder: Path, rows: list[float], columns: list[float] | None = None) -> Path:

@@ -212,6 +212,7 @@ def _described(problem: Problem, values: Floats, chosen: _Chosen) -> Flights:
     return Flights(
         values=natural,
         covariance=covariance,
+        known_sigmas=problem.prior_sigma.copy(),
         contacts=contacts,
         contact_slopes=contact_slopes,
         observed=replace(observed, places=observed.places - problem.taken(values, arcs)),

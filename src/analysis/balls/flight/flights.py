@@ -86,6 +86,9 @@ class Flights:
     ----------
     values, covariance
         Of all numbers of `path`, shapes (P,) and (P, P); those held fixed have no error.
+    known_sigmas
+        With which each number is known beforehand: 0 where it is held, infinite where nothing is;
+        shape (P,).
     contacts, contact_slopes
         Of each bounce as `path.places` gives them, shape (B, 6), and their derivatives to the
         values, shape (B, 6, P).
@@ -112,6 +115,7 @@ class Flights:
 
     values: Floats
     covariance: Floats
+    known_sigmas: Floats
     contacts: Floats
     contact_slopes: Floats
     observed: Observed
@@ -168,6 +172,11 @@ class Flights:
             if sum(counts[j] for j in run) > sum(counts[j] for j in best):
                 best = run
         return best
+
+    def slopes_of_e(self, bounce: int) -> Floats:
+        """Return derivatives of a bounce's e to the fit's numbers, shape (P,)."""
+        contact, slopes = self.contacts[bounce], self.contact_slopes[bounce]
+        return np.asarray((slopes[3] - contact[3] / contact[1] * slopes[1]) / contact[1])
 
     def row_delay(self, places: Floats) -> Floats:
         """Return how much later than the first row each place is read, s."""

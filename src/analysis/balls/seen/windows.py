@@ -79,10 +79,14 @@ class Seen:
         Light of each frame over that of what stands still, shape (frames,); None: all alike.
     about
         What it has kept of the pictures; None: nothing.
+    beside
+        Frame, row and column of the ball outside its flights, shape (N, 3): held, at rest, or in
+        bounces too low to count, it hides the ground too. None: nowhere.
     """
 
     gains: Floats | None = None
     about: Surroundings | None = None
+    beside: Floats | None = None
 
 
 NOTHING = Seen()
@@ -109,7 +113,8 @@ def cut_windows(
         gain = 1.0 if known.gains is None else float(known.gains[number])
         return np.asarray(_channel(picture, looks, film.head) / gain, dtype=np.float32)
 
-    hidden = [_hidden(whole, boxes.get(number)) for number in samples]
+    resting = {} if known.beside is None else _resting(film.head, looks, known.beside)
+    hidden = [_hidden(whole, boxes.get(number, resting.get(number))) for number in samples]
     still = background_without([shown(*each) for each in samples.items()], hidden)
     # A codec keeps nothing of a rim that is finer than a few pixels.
     factor = max(1, int(looks.radius_px / CODED_RADIUS_PX)) if film.head.compressed else 1
@@ -155,8 +160,17 @@ def _hidden(whole: Box, box: Box | None) -> NDArray[np.bool_]:
     top, left, bottom, right = whole
     mask = np.zeros((bottom - top, right - left), dtype=bool)
     if box is not None:
-        mask[box[0] - top : box[2] - top, box[1] - left : box[3] - left] = True
+        first, second, end, last = (
+            max(0, edge - start) for edge, start in zip(box, (top, left, top, left), strict=True)
+        )
+        mask[first:end, second:last] = True
     return mask
+
+
+def _resting(head: FilmHead, looks: Looks, beside: Floats) -> dict[int, Box]:
+    """Return the boxes of a ball that is seen outside its flights, by frame."""
+    still = Motion(beside[:, 0].astype(np.intp), beside[:, 1:], np.zeros((len(beside), 2)))
+    return {int(frame): _box(head, looks, still, k, 0.0) for k, frame in enumerate(still.frames)}
 
 
 def _box(head: FilmHead, looks: Looks, motion: Motion, k: int, exposure_s: float) -> Box:

@@ -86,10 +86,21 @@ class FreeFlight:
     share: Floats
 
 
-def about_free_flight(line: Comparison) -> FreeFlight:
-    """Fit the numbers of both flights of each sphere, and nothing else."""
-    units = whitenings(plain(line.gram), _LEAST)
-    basis = line.slopes @ units
+def about_free_flight(line: Comparison, bent: Floats | None = None) -> FreeFlight:
+    """Fit the numbers of both flights of each sphere, and nothing else.
+
+    Parameters
+    ----------
+    bent
+        What else may bend them, whitened, shape (S, B, L, K); it stands behind the flights' own
+        numbers in all that is returned.
+    """
+    columns, gram = line.slopes, line.gram
+    if bent is not None and bent.shape[3]:
+        columns = np.concatenate([columns, bent], axis=3)
+        gram = np.swapaxes(columns, 2, 3) @ columns
+    units = whitenings(plain(gram), _LEAST)
+    basis = columns @ units
     taken = np.swapaxes(basis, 2, 3) @ line.residual[..., None]
     measured = line.slopes.any(axis=3)
     return FreeFlight(

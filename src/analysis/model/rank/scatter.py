@@ -16,6 +16,7 @@ from analysis.model.fitting.fit import Fit, fit_campaign, parts_of
 from analysis.model.fitting.jitter import by_frame
 from analysis.model.fitting.noise import about_free_flight
 from analysis.model.predict.comparison import KINDS, Comparison, Snapshot, by_block, compare, rates
+from analysis.model.rank.bows import bows
 from analysis.quantity import Quantity
 
 
@@ -23,7 +24,7 @@ def timing_jitter(data: CampaignData, fit: Fit) -> JitterScore | None:
     """Test a fit for a time error that all numbers of a frame share; None: nothing could show.
 
     Judged by the scatter about free flight: a law of contact that is wrong shifts flights as a
-    whole, and would pass for jitter.
+    whole, and would pass for jitter, as would slow errors that bend a filmed ball's flights.
     """
     trial = JitterTrial(data)
     for part, states in parts_of(data, fit):
@@ -44,7 +45,7 @@ class JitterTrial:
         if here.frames is None or isinstance(data, ContactTable):
             self._framed = False
             return
-        flight = about_free_flight(line)
+        flight = about_free_flight(line, bows(data, line.slopes))
         self._freedom += float(flight.share.sum())
         along = rates(data, here.frames.flown)
         residual = by_frame(flight.left[..., None]).reshape(along.shape)

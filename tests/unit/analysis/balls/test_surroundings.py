@@ -52,3 +52,34 @@ def test_a_box_that_reaches_beyond_what_was_kept_is_not_given() -> None:
     np.testing.assert_array_equal(inside, picture[60 - reach : 70, 40:50])
     assert about.cut(0, (59 - reach, 40, 70, 50)) is None
     assert about.cut(1, (50, 40, 70, 50)) is None
+
+
+def test_a_ball_that_rests_outside_its_flights_is_no_part_of_what_stands_still() -> None:
+    film, motion = a_film()
+    pictures = [picture.copy() for picture in film.pictures()]
+    rows, columns = np.mgrid[:120, :90]
+    resting = np.hypot(rows - 100.0, columns - 45.0) < RADIUS
+    # The ball rests for twice as long as it flies, where it flew past before.
+    still = pictures[0][resting].copy()
+    for _ in range(24):
+        pictures.append(pictures[0].copy())
+        pictures[-1][resting] = 200
+    whole = HeldFilm(Path("film"), np.stack([picture[..., 0] for picture in pictures]))
+    looks = Looks(RADIUS, 0.1, np.ones(1), np.ones(1), ())
+    beside = np.column_stack([np.arange(12, 36), np.tile([[100.0, 45.0]], (24, 1))])
+    last = cut_windows(whole, looks, motion, 0.0, Seen(beside=beside))[-1]
+    ground = last.pixels[1]
+    inside = resting[last.top : last.top + len(ground), last.left : last.left + ground.shape[1]]
+    assert np.median(ground[inside]) == np.median(still)
+
+
+def test_a_ball_that_rests_beside_what_is_looked_at_hides_nothing_there() -> None:
+    film, motion = a_film()
+    looks = Looks(RADIUS, 0.1, np.ones(1), np.ones(1), ())
+    # No box of the flight reaches the picture's first rows and columns.
+    beside = np.array([[k, -60.0, -60.0] for k in range(12)])
+    bare = cut_windows(film, looks, motion, 0.0)
+    for one, other in zip(
+        bare, cut_windows(film, looks, motion, 0.0, Seen(beside=beside)), strict=True
+    ):
+        np.testing.assert_array_equal(one.pixels, other.pixels)
