@@ -192,6 +192,10 @@ class SlowErrors:
     shared_m
         Size of what all flights of a sphere share in a campaign, of a coordinate, where it is more
         than `position_m`: no scatter of flights shows it.
+    shared_rad
+        The same of orientations; 0: larger than `rotation_rad` as `shared_m` is than `position_m`.
+    depth_m
+        `position_m` of Z alone, which another view or a mirror shows; 0: as of X and Y.
     varying
         Share of that, of places and of turns, which changes with the place in the field.
     scale
@@ -208,6 +212,8 @@ class SlowErrors:
     position_m: Annotated[float, Field(ge=0), named("slow_position_m", "position_m")] = 0.0
     rotation_rad: Annotated[float, Field(ge=0), named("slow_rotation_rad", "rotation_rad")] = 0.0
     shared_m: Annotated[float, Field(ge=0), named("slow_shared_m", "shared_m")] = 0.0
+    shared_rad: Annotated[float, Field(ge=0), named("slow_shared_rad", "shared_rad")] = 0.0
+    depth_m: Annotated[float, Field(ge=0), named("slow_depth_m", "depth_m")] = 0.0
     varying: Annotated[float, Field(ge=0), named("slow_varying", "varying")] = 1.0
     scale: Annotated[float, Field(ge=0), named("scale_sigma", "scale")] = 0.0
     one_body_frame: bool = True
@@ -219,13 +225,21 @@ class SlowErrors:
         return self.common_m > 0 or self.rotation_rad > 0 or self.scale > 0
 
     @property
+    def sizes(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+        """Sizes of what the frames of a flight share along and about X, Y and Z, m and rad."""
+        places = self.position_m, self.position_m, self.depth_m or self.position_m
+        return places, (self.rotation_rad, self.rotation_rad, self.rotation_rad)
+
+    @property
     def common_m(self) -> float:
         """Size of what all flights of a sphere share, of a coordinate, m."""
         return max(self.position_m, self.shared_m)
 
     @property
     def common_rad(self) -> float:
-        """The same of orientations, rad: larger than of one flight by as much."""
+        """The same of orientations, rad: unless stated, larger than of one flight by as much."""
+        if self.shared_rad > 0:
+            return max(self.shared_rad, self.rotation_rad)
         enlarged = self.common_m / self.position_m if self.position_m > 0 else 1.0
         return enlarged * self.rotation_rad
 

@@ -32,13 +32,21 @@ class Evidence:
     gains: Floats
     squares: Floats
 
+    @classmethod
+    def joined(cls, parts: Sequence[Evidence]) -> Evidence:
+        """Return all numbers of several parts."""
+        gains = [np.empty(0), *(part.gains for part in parts)]
+        return cls(
+            np.concatenate(gains), np.concatenate([np.empty(0), *(p.squares for p in parts)])
+        )
+
     def log_likelihood(self, sizes: Floats) -> Floats:
         """Return that of each size."""
         variance = 1.0 + np.multiply.outer(sizes**2, self.gains)
         return np.asarray(-0.5 * (np.log(variance) + self.squares / variance).sum(axis=1))
 
 
-def slow_size(films: Sequence[Evidence], middle: float) -> float:
+def slow_size(films: Sequence[Evidence], middle: float, factor: float = PRIOR_FACTOR) -> float:
     """Return the root of the mean square of what the size of a slow error may be.
 
     A film may be an odd one, whose size says nothing of the others'.
@@ -47,8 +55,10 @@ def slow_size(films: Sequence[Evidence], middle: float) -> float:
     ----------
     middle
         Of the prior, in the unit of the size.
+    factor
+        One standard error of the prior.
     """
-    prior = -0.5 * (np.log(SIZES) / np.log(PRIOR_FACTOR)) ** 2
+    prior = -0.5 * (np.log(SIZES) / np.log(factor)) ** 2
     prior = np.exp(prior) / np.exp(prior).sum()
     posterior = np.log(prior)
     for film in films:

@@ -85,8 +85,7 @@ def agree(campaign: CampaignData, fit: Fit, further: Sequence[Stage] = ()) -> Ag
 
 
 def _of_frames(data: PoseData, fit: Fit, sums: Projector, outcome: Sequence[Row]) -> list[Stage]:
-    turn_sigma = np.repeat(data.rotation_sigma[..., None], 3, axis=-1)
-    sigma = np.concatenate([data.position_sigma, turn_sigma], axis=-1)
+    sigma = np.concatenate([data.position_sigma, data.turn_sigma], axis=-1)
     sigma = np.where(data.measured, sigma, 0.0).reshape(len(sigma), -1)
     free = with_free_outcomes(data, fit)
     unbound, states, theory = projector(free.data, free.fit), free.fit.states, free.fit.theory

@@ -63,7 +63,8 @@ class PoseData:
     rotation
         Orientations, body to rig axes, shape (S, F, 2, 3, 3).
     rotation_sigma
-        Standard error about each axis, rad, shape (S, F, 2). Infinite: not measured.
+        Standard error of an orientation, the root mean square of those about the three axes, rad,
+        shape (S, F, 2). Infinite: not measured.
     bodies
         Spheres a and b.
     gravity
@@ -98,8 +99,8 @@ class PoseData:
     plate
         How the plate lies, where b is one.
     turn_shape
-        As in `ShotPoses`, shape (S, F, 2, 3, 3), by which impacts are measured; a model's residuals
-        are scored by `rotation_sigma` alone. None: the same about each axis.
+        As in `ShotPoses`, shape (S, F, 2, 3, 3). Impacts are measured by all of it, a model's
+        residuals by `turn_sigma`. None: the same about each axis.
     """
 
     shots: NDArray[np.intp]
@@ -174,6 +175,17 @@ class PoseData:
         if self.turn_shape is None:
             return np.broadcast_to(np.eye(3), self.rotation.shape)
         return self.turn_shape
+
+    @property
+    def turn_sigma(self) -> Floats:
+        """Standard errors of orientations about X, Y and Z, rad, shape (S, F, 2, 3).
+
+        Two views that share the axis Y see a turn about it worse than about X and Z.
+        """
+        if self.turn_shape is None:
+            return np.repeat(self.rotation_sigma[..., None], 3, axis=-1)
+        about = np.sqrt(np.diagonal(self.turn_shape, axis1=-2, axis2=-1))
+        return self.rotation_sigma[..., None] * about
 
     def parts(self) -> Iterator[PoseData]:
         """Yield the data so many shots at a time."""

@@ -134,8 +134,7 @@ def _slow_squares(part: Data) -> Floats:
     if isinstance(part, ContactTable):
         return np.zeros(2)
     squares = (weights(part) ** 2).sum(axis=(0, 1, 2))
-    sizes = np.array([part.slow.position_m, part.slow.rotation_rad])
-    return np.asarray(sizes**2 * squares.reshape(2, 3).sum(axis=1))
+    return np.asarray((np.array(part.slow.sizes) ** 2 * squares.reshape(2, 3)).sum(axis=1))
 
 
 def _scale(chi2: float, freedom: float, slow: float) -> NoiseScale:

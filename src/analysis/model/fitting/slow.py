@@ -68,7 +68,7 @@ def _roots(data: PoseData, states: ShotStates, sides: Flights) -> Floats:
     shots = len(states.time_s)
     seen = np.asarray(data.measured.reshape(shots, -1, 2, 2, 3).any(axis=4))
     tau = (data.times_s - states.time_s[:, None])[:, :, None, None]
-    sizes = np.array([data.slow.position_m, data.slow.rotation_rad])
+    sizes = np.array(data.slow.sizes)
     lasting_s = correlation_times(data.slow.memory_rad, np.linalg.norm(sides.spin, axis=3))
     still = ~np.asarray(seen[..., 1].any(axis=1))[:, :, None]
     roots = np.zeros((shots, 2, 2, 2, 2, 3, 2, 2, 3))
@@ -78,11 +78,11 @@ def _roots(data: PoseData, states: ShotStates, sides: Flights) -> Floats:
         line = last > first
         span = np.where(line, last - first, 1.0)
         lengths = np.where(still, WORST_LENGTH, span / lasting_s[:, :, side, None])
-        middle, slope = (sizes * np.sqrt(own) for own in line_variances(lengths))
+        middle, slope = (np.sqrt(own) for own in line_variances(lengths))
         rate = np.where(line, slope / span, 0.0)
         late = (np.where(line, first, 0.0) + np.where(line, last, 0.0)) / 2
         for k in range(3):
-            roots[..., side, 0, k, side, 0, k] = np.where(line, middle, sizes)
-            roots[..., side, 0, k, side, 1, k] = -late * rate
-            roots[..., side, 1, k, side, 1, k] = rate
+            roots[..., side, 0, k, side, 0, k] = sizes[:, k] * np.where(line, middle, 1.0)
+            roots[..., side, 0, k, side, 1, k] = -sizes[:, k] * late * rate
+            roots[..., side, 1, k, side, 1, k] = sizes[:, k] * rate
     return roots.reshape(shots, 4, 12, 12)

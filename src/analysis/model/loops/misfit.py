@@ -29,7 +29,7 @@ def misfits(
         Positions, m, shape (S, F, 2, 3), and orientations, (S, F, 2, 3, 3); these differ by the
         rotation vector of R_observed R_predicted'.
     sigmas
-        Standard errors, m, (S, F, 2, 3), and about each axis, rad, (S, F, 2).
+        Standard errors, m, and about each axis, rad, shape (S, F, 2, 3).
     """
     shots, frames = sigmas[1].shape[0], sigmas[1].shape[1]
     residual = np.empty((shots, 4, 3 * frames))
@@ -41,9 +41,8 @@ def misfits(
                     residual[s, 2 * i, 3 * f + k] = off * weight_of(sigmas[0][s, f, i, k])
                 turn = residual[s, 2 * i + 1, 3 * f : 3 * f + 3]
                 _turn(predicted[1][s, f, i], observed[1][s, f, i], turn)
-                weight = weight_of(sigmas[1][s, f, i])
                 for k in range(3):
-                    turn[k] *= weight
+                    turn[k] *= weight_of(sigmas[1][s, f, i, k])
     return residual
 
 
@@ -109,10 +108,11 @@ def slopes_of(
                     for axis in range(3):
                         _put(rows[k], axis, taus[axis], weight * response[s, f, i, k, axis])
                     _square(rows[k], 0, 1, squares)
-                tau, weight = times[1][s, f, i], weight_of(sigmas[1][s, f, i])
+                tau = times[1][s, f, i]
                 rows, squares = slopes[s, 2 * i + 1, 3 * f : 3 * f + 3], gram[s, 2 * i + 1]
                 first = 6 if tau > 0 else 0
                 for k in range(3):
+                    weight = weight_of(sigmas[1][s, f, i, k])
                     for axis in range(3):
                         rows[k, first + axis] = weight * turns[0][s, f, i, k, axis]
                         rows[k, first + 3 + axis] = weight * tau * turns[1][s, f, i, k, axis]

@@ -249,7 +249,7 @@ def misfit(data: PoseData, poses: Poses) -> Floats:
 
 
 def _sigmas(data: PoseData) -> tuple[Floats, Floats]:
-    return plain(data.position_sigma), plain(data.rotation_sigma)
+    return plain(data.position_sigma), plain(data.turn_sigma)
 
 
 def difference(poses: Poses, moved: Poses) -> Floats:
@@ -260,8 +260,7 @@ def difference(poses: Poses, moved: Poses) -> Floats:
 
 def weights(data: PoseData) -> Floats:
     """Return 1 / sigma, zero where nothing was measured, shape (S, F, 2, 6)."""
-    turning = np.repeat(data.rotation_sigma[..., None], 3, axis=-1)
-    sigma = np.concatenate([data.position_sigma, turning], axis=-1)
+    sigma = np.concatenate([data.position_sigma, data.turn_sigma], axis=-1)
     return np.where(np.isfinite(sigma), 1.0 / sigma, 0.0)
 
 

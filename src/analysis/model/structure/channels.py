@@ -199,8 +199,7 @@ def camera_channels(
 
 def whitened(data: PoseData, moved: Floats) -> Floats:
     """Divide changes of the 12 numbers (S, F, 2, 6) by their sigmas, shape (S, N)."""
-    turn_sigma = np.repeat(data.rotation_sigma[..., None], 3, axis=-1)
-    sigma = np.concatenate([data.position_sigma, turn_sigma], axis=-1)
+    sigma = np.concatenate([data.position_sigma, data.turn_sigma], axis=-1)
     return np.where(np.isfinite(sigma), moved / sigma, 0.0).reshape(len(moved), -1)
 
 

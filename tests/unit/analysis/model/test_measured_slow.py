@@ -19,8 +19,19 @@ TURN_PER_M = 1.5 / RADIUS
 MEMORY_RAD = 0.3
 
 
-def filmed(shots: int, true_m: float, stated_m: float, *, interval_s: float = 1e-3) -> PoseData:
-    """Return a campaign with slow errors that forget themselves while a sphere turns by 0.3 rad."""
+def filmed(
+    shots: int,
+    true_m: float,
+    stated_m: float,
+    *,
+    interval_s: float = 1e-3,
+    depth: float = 1.0,
+    turned_by: float = 1.0,
+) -> PoseData:
+    """Return a campaign with slow errors that forget themselves while a sphere turns by 0.3 rad.
+
+    Those of Z and of turns are larger than of X and Y by `depth` and `turned_by`.
+    """
     noise = {"position_sigma": 2e-6, "rotation_sigma": 4e-4}
     data = campaign(shots, 51, interval_s=interval_s, **noise)
     rng = np.random.default_rng(52)
@@ -32,8 +43,9 @@ def filmed(shots: int, true_m: float, stated_m: float, *, interval_s: float = 1e
         turned = np.maximum(np.median(steps), 1e-3) * np.arange(len(times)) / MEMORY_RAD
         lasting = np.exp(-np.abs(turned[:, None] - turned)) + 1e-9 * np.eye(len(times))
         root = np.linalg.cholesky(lasting)
-        places[shot, :, sphere] = true_m * root @ rng.normal(size=(len(times), 3))
-        turns[shot, :, sphere] = TURN_PER_M * true_m * root @ rng.normal(size=(len(times), 3))
+        drawn = true_m * root @ rng.normal(size=(len(times), 6))
+        places[shot, :, sphere] = drawn[:, :3] * (1.0, 1.0, depth)
+        turns[shot, :, sphere] = TURN_PER_M * turned_by * drawn[:, 3:]
     seen = Rotation.from_rotvec(turns.reshape(-1, 3)).as_matrix().reshape(data.rotation.shape)
     slow = SlowErrors(stated_m, TURN_PER_M * stated_m, 2e-5, memory_rad=MEMORY_RAD)
     return replace(data, position=data.position + places, rotation=seen @ data.rotation, slow=slow)
@@ -43,8 +55,19 @@ def filmed(shots: int, true_m: float, stated_m: float, *, interval_s: float = 1e
 def test_forty_shots_find_the_size_whatever_is_stated(stated: float) -> None:
     stated_m = stated * TRUE_M
     found = with_measured_slow_errors(filmed(40, TRUE_M, stated_m)).slow
-    assert found.position_m == pytest.approx(TRUE_M, rel=0.2)
-    assert found.rotation_rad == pytest.approx(TURN_PER_M * found.position_m)
+    (x, y, z), turns = found.sizes
+    assert x == y
+    assert (x, z) == pytest.approx((TRUE_M, TRUE_M), rel=0.25)
+    assert turns == pytest.approx([TURN_PER_M * TRUE_M] * 3, rel=0.25)
+
+
+@pytest.mark.parametrize(("depth", "turned_by"), [(2.0, 1.0), (1.0, 2.0), (0.5, 1.0)])
+def test_depth_and_turns_have_sizes_of_their_own(depth: float, turned_by: float) -> None:
+    data = filmed(40, TRUE_M, TRUE_M, depth=depth, turned_by=turned_by)
+    (x, _, z), (turns, _, _) = with_measured_slow_errors(data).slow.sizes
+    assert x == pytest.approx(TRUE_M, rel=0.25)
+    assert z == pytest.approx(depth * TRUE_M, rel=0.3)
+    assert turns == pytest.approx(turned_by * TURN_PER_M * TRUE_M, rel=0.25)
 
 
 def test_spheres_that_turn_by_several_radians_in_a_flight_show_the_size_too() -> None:

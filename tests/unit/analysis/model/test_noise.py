@@ -6,11 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from analysis.model.data.evidence import weighed
 from analysis.model.data.poses import PoseData
 from analysis.model.fitting.fit import fit_campaign
 from analysis.model.fitting.noise import noise_scales, rescaled
+from analysis.model.predict.comparison import compare
 from analysis.setup import SlowErrors
 from tests.unit.analysis.model.hard_spheres import POSITION_SIGMA, ROTATION_SIGMA, campaign
 
@@ -32,6 +34,28 @@ def test_misstated_sigmas_are_found_and_put_right(position: float, rotation: flo
     righted = rescaled(stated, fit)
     assert righted.position_sigma == pytest.approx(POSITION_SIGMA, rel=4 * SAMPLING)
     assert righted.rotation_sigma == pytest.approx(ROTATION_SIGMA, rel=4 * SAMPLING)
+
+
+def test_orientations_that_err_by_axis_are_scored_about_each_by_its_own_error() -> None:
+    true = campaign(SHOTS, 45)
+    rng = np.random.default_rng(46)
+    further = rng.normal(size=(true.rotation.size // 9, 3)) * ROTATION_SIGMA * (0.0, 1.5, 0.5)
+    turned = Rotation.from_rotvec(further).as_matrix().reshape(true.rotation.shape)
+    variances = ROTATION_SIGMA**2 * np.array([1.0, 1.0 + 1.5**2, 1.0 + 0.5**2])
+    stated = replace(
+        true.with_sigmas(
+            true.position_sigma, np.full_like(true.rotation_sigma, np.sqrt(variances.mean()))
+        ),
+        rotation=turned @ true.rotation,
+        turn_shape=np.broadcast_to(np.diag(variances / variances.mean()), true.rotation.shape),
+    )
+    fit = fit_campaign(stated)
+    residual = compare(stated, fit.states, fit.theory)[0].residual
+    about = residual.reshape(SHOTS, 2, 2, -1, 3)[:, :, 1]
+    # A start and a spin about each axis are fitted to the frames of a sphere.
+    left = 1 - 2 / about.shape[2]
+    by_axis = np.sqrt((about**2).mean(axis=(0, 1, 2)) / left)
+    assert by_axis == pytest.approx(np.ones(3), rel=0.06)
 
 
 def test_without_orientations_their_scale_is_left_as_stated() -> None:

@@ -16,7 +16,7 @@ TIMES = np.array([-0.009, -0.002, 0.001, 0.004, 0.011])
 def sigmas() -> tuple[np.ndarray, np.ndarray]:
     rng = np.random.default_rng(3)
     position = rng.uniform(1e-5, 3e-5, (SHOTS, FRAMES, 2, 3))
-    rotation = rng.uniform(5e-3, 9e-3, (SHOTS, FRAMES, 2))
+    rotation = rng.uniform(5e-3, 9e-3, (SHOTS, FRAMES, 2, 3))
     position[1, 2, 0, 1], rotation[0, 3, 1] = np.inf, np.inf
     return position, rotation
 
@@ -24,7 +24,7 @@ def sigmas() -> tuple[np.ndarray, np.ndarray]:
 def blocks(position: np.ndarray, turns: np.ndarray) -> np.ndarray:
     """Sort whitened positions and turns (S, F, 2, 3) by sphere and kind, (S, 4, 3 F)."""
     own, turning = sigmas()
-    both = np.stack([position / own, turns / turning[..., None]], axis=3)
+    both = np.stack([position / own, turns / turning], axis=3)
     return both.transpose(0, 2, 3, 1, 4).reshape(SHOTS, 4, 3 * FRAMES)
 
 
@@ -109,7 +109,7 @@ def test_changes_are_put_where_the_residuals_of_their_numbers_stand() -> None:
     rng = np.random.default_rng(13)
     place, turn = rng.normal(size=(2, SHOTS, FRAMES, 2, 3))
     own, turning = sigmas()
-    weights = 1 / np.concatenate([own, np.repeat(turning[..., None], 3, axis=3)], axis=3)
+    weights = 1 / np.concatenate([own, turning], axis=3)
     column = np.zeros((SHOTS, 4, 3 * FRAMES))
     for kind, change in enumerate((place, turn)):
         put_whitened(change, weights, kind, 0.5, column)
