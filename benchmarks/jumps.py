@@ -18,9 +18,9 @@ import numpy as np
 from analysis.effects.catalogue import CATALOGUE
 from analysis.model.data.gather import gather_poses
 from analysis.model.data.poses import PoseData
-from analysis.model.fitting.field_errors import field_errors
 from analysis.model.fitting.fit import Fit
 from analysis.model.fitting.robust_fit import robust_fit
+from analysis.model.fitting.slow_errors.field import field_errors
 from analysis.model.rank.projector import ColumnSums, projector
 from analysis.model.structure.channels import contact_columns
 

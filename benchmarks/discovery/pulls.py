@@ -26,8 +26,8 @@ from analysis.effects.contact.lasting_contact import EFFECT
 from analysis.model.data.inside import without_contact_frames
 from analysis.model.data.poses import PoseData
 from analysis.model.data.stream import PoseStream
-from analysis.model.fitting.measured_slow import with_measured_slow_errors
 from analysis.model.fitting.robust_fit import RobustFit, robust_fit
+from analysis.model.fitting.slow_errors.sizes import with_measured_slow_errors
 from benchmarks.discovery.filmed_errors import filmed
 from benchmarks.discovery.goals import Goal, report, share
 from benchmarks.discovery.lasting import PLAIN, RIG, STATED_DRAG, lasting_campaign

@@ -28,10 +28,10 @@ from analysis.model.agreement.table import (
 from analysis.model.data.poses import PoseData
 from analysis.model.data.stream import CampaignData, whole
 from analysis.model.data.tables import ContactTable
-from analysis.model.fitting.field_errors import field_errors
 from analysis.model.fitting.fit import Fit
 from analysis.model.fitting.noise import noise_scales
 from analysis.model.fitting.normal import with_prior
+from analysis.model.fitting.slow_errors.field import field_errors
 from analysis.model.rank.projector import (
     LEAST_INFORMATION,
     ByShot,

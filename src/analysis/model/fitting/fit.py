@@ -13,7 +13,6 @@ from analysis.model.data.parts import Kept, cut, regrouped
 from analysis.model.data.stream import CampaignData, beside
 from analysis.model.data.tables import ContactTable, Data
 from analysis.model.data.unseen import fitted_numbers
-from analysis.model.fitting.field_errors import explained_by, field_errors, with_field
 from analysis.model.fitting.gauss_newton import (
     TO_THE_END,
     WORSE,
@@ -24,6 +23,7 @@ from analysis.model.fitting.gauss_newton import (
 )
 from analysis.model.fitting.normal import NormalEquations, inverse, prior_cost
 from analysis.model.fitting.own_fit import own_states
+from analysis.model.fitting.slow_errors.field import explained_by, field_errors, with_field
 from analysis.model.fitting.summary import FitSummary
 from analysis.model.predict.start import first_states
 from analysis.model.predict.state import ShotStates

@@ -14,7 +14,7 @@ from analysis.model.fitting.account import Account
 from analysis.model.fitting.adding import added, law_again
 from analysis.model.fitting.air import with_measured_air
 from analysis.model.fitting.fit import Fit, fit_campaign
-from analysis.model.fitting.measured_slow import with_measured_slow_errors
+from analysis.model.fitting.slow_errors.sizes import with_measured_slow_errors
 
 NOT_SHOWN = "too few frames show its spheres apart, before the contact or after it"
 FAR = "chi-squared per degree of freedom {far:.3g} times that of the median shot"

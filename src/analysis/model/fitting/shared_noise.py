@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from analysis.arrays import Floats
 from analysis.model.fitting.jitter import Jitter, by_frame, by_kind
-from analysis.model.fitting.slow import Slow
+from analysis.model.fitting.slow_errors.whitening import Slow
 
 
 @dataclass(frozen=True, slots=True, eq=False)

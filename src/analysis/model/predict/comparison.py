@@ -21,7 +21,7 @@ from analysis.model.data.tables import ContactTable, Data
 from analysis.model.data.unseen import numbers_of_bounces
 from analysis.model.fitting.jitter import Jitter, turning_by_frame
 from analysis.model.fitting.shared_noise import SharedNoise
-from analysis.model.fitting.slow import slow_noise
+from analysis.model.fitting.slow_errors.whitening import slow_noise
 from analysis.model.loops import plain
 from analysis.model.loops.blocks import information
 from analysis.model.loops.misfit import misfits, slopes_of

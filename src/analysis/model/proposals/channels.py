@@ -17,9 +17,9 @@ from analysis.collision.operator import Encounter, Operator, Outcome
 from analysis.effects.effect import ContactEffect, Effect, Parameter, Values
 from analysis.model.data.poses import PoseData
 from analysis.model.data.tables import Data
-from analysis.model.fitting.field_errors import FieldErrors, field_errors
 from analysis.model.fitting.fit import Fit, parts_of
 from analysis.model.fitting.normal import inverse, solve_blocks, with_prior
+from analysis.model.fitting.slow_errors.field import FieldErrors, field_errors
 from analysis.model.predict.columns import all_columns
 from analysis.model.predict.comparison import compare
 from analysis.model.predict.contact import encounter_of

@@ -13,10 +13,10 @@ import numpy as np
 
 from analysis.arrays import Floats
 from analysis.model.data.tables import Data
-from analysis.model.fitting.field_errors import NO_FIELDS, FieldErrors
 from analysis.model.fitting.fit import Fit
 from analysis.model.fitting.normal import inverse, solve_blocks, with_prior
 from analysis.model.fitting.shared_noise import SharedNoise
+from analysis.model.fitting.slow_errors.field import NO_FIELDS, FieldErrors
 from analysis.model.predict.linear import linearise
 from analysis.model.predict.state import ShotStates
 from analysis.model.predict.theory import Theory

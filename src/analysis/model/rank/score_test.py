@@ -18,9 +18,9 @@ from analysis.arrays import Floats
 from analysis.effects.effect import Effect
 from analysis.model.data.stream import CampaignData
 from analysis.model.data.tables import Data
-from analysis.model.fitting.field_errors import FieldErrors, field_errors
 from analysis.model.fitting.fit import Fit, parts_of
 from analysis.model.fitting.normal import inverse, solve_blocks, with_prior
+from analysis.model.fitting.slow_errors.field import FieldErrors, field_errors
 from analysis.model.predict.columns import all_columns
 from analysis.model.predict.comparison import Comparison, Snapshot, compare
 from analysis.model.predict.state import ShotStates

@@ -13,9 +13,9 @@ from analysis.collision.operator import surface_velocity
 from analysis.model.data.parts import Kept
 from analysis.model.data.stream import CampaignData
 from analysis.model.data.tables import ContactTable, Data
-from analysis.model.fitting.field_errors import field_errors
 from analysis.model.fitting.fit import Fit, parts_of
 from analysis.model.fitting.normal import inverse, with_prior
+from analysis.model.fitting.slow_errors.field import field_errors
 from analysis.model.predict.state import ShotStates
 from analysis.model.rank.projector import ByShot, ColumnSums, Eliminated, Solved, eliminated
 from analysis.model.structure.channels import (

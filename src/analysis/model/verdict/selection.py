@@ -21,8 +21,8 @@ from analysis.model.data.stream import CampaignData
 from analysis.model.data.tables import ContactTable
 from analysis.model.fitting.air import with_measured_air
 from analysis.model.fitting.fit import Fit
-from analysis.model.fitting.measured_slow import with_measured_slow_errors
 from analysis.model.fitting.outliers import Cleaned
+from analysis.model.fitting.slow_errors.sizes import with_measured_slow_errors
 from analysis.model.rank.candidate import Ranking, weight_of
 from analysis.model.rank.ranking import rank
 from analysis.model.structure.alarm import UNEXPLAINED_LEVEL, alarms

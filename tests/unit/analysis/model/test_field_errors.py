@@ -15,9 +15,9 @@ from scipy.spatial.transform import Rotation
 
 from analysis.effects.catalogue import CATALOGUE
 from analysis.model.data.poses import PoseData
-from analysis.model.fitting.field_errors import Field, field_errors
 from analysis.model.fitting.fit import beside_field, fit_campaign
-from analysis.model.fitting.measured_slow import with_measured_slow_errors
+from analysis.model.fitting.slow_errors.field import Field, field_errors
+from analysis.model.fitting.slow_errors.sizes import with_measured_slow_errors
 from analysis.model.rank.ranking import rank
 from analysis.model.structure.far_off import is_far_off
 from analysis.model.structure.lackoffit import lack_of_fit

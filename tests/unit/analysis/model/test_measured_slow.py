@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from analysis.model.data.poses import PoseData
 from analysis.model.data.stream import PoseStream
-from analysis.model.fitting.measured_slow import with_measured_slow_errors
+from analysis.model.fitting.slow_errors.sizes import with_measured_slow_errors
 from analysis.setup import SlowErrors
 from tests.unit.analysis.model.hard_spheres import RADIUS, campaign
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from analysis.arrays import Floats
 from analysis.model.data.poses import PoseData
-from analysis.model.fitting.field_errors import FieldErrors
+from analysis.model.fitting.slow_errors.field import FieldErrors
 from analysis.model.predict.start import first_states, median_spin
 from analysis.motion.drift import correlation_times
 from analysis.motion.exponential import exponential

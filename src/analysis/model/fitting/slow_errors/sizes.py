@@ -22,8 +22,8 @@ from analysis.arrays import Floats
 from analysis.model.data.poses import PoseData
 from analysis.model.data.stream import CampaignData, PoseStream
 from analysis.model.data.tables import ContactTable, Data
-from analysis.model.fitting.field_errors import field_errors
-from analysis.model.fitting.flight_numbers import TURNS, FlightNumbers, flight_numbers
+from analysis.model.fitting.slow_errors.field import field_errors
+from analysis.model.fitting.slow_errors.flight_numbers import TURNS, FlightNumbers, flight_numbers
 from analysis.motion.slow_evidence import Evidence, slow_size
 
 C = TypeVar("C", PoseData, ContactTable, PoseStream, Data, CampaignData)
