@@ -30,7 +30,7 @@ from analysis.motion.poses import Centres
 from analysis.motion.rotation import rotation_vector
 from analysis.motion.spin import Spin, fit_spin, three_frame_spin
 from analysis.motion.split import LEAST_FRAMES, split_at_contact
-from analysis.motion.tears import agreeing_turns
+from analysis.motion.tears import LEAST_IN_ONE_VIEW, LEAST_TOGETHER, agreeing_turns
 from analysis.motion.velocity import NO_DRAG, FlightPath, fit_flight, three_frame_flight
 from analysis.refusals import (
     check_between,
@@ -121,10 +121,11 @@ def measure_two_sides(
             Side("before", _three(before[::-1], left.times_s)[::-1], -1),
             Side("after", _three(after, left.times_s), 0),
         )
+    depth_seen = bool(left.position[left.placed][:, 2].any())
     astray = np.zeros_like(left.turned)
     if not three_and_three:
         for side, i in product(sides, (0, 1)):
-            astray[side.rows, i] = _astray(left, side, i, scene)
+            astray[side.rows, i] = _astray(left, side, i, scene, depth_seen=depth_seen)
         left = left.without_turns(astray)
     for side in sides:
         for i in (0, 1):
@@ -139,7 +140,6 @@ def measure_two_sides(
     for i, motion in enumerate(motions):
         for side, path in zip(sides, (motion.before, motion.after), strict=True):
             check_free_flight(left, side, i, path, most_chi2)
-    depth_seen = bool(left.position[left.placed][:, 2].any())
     impact = _impact(motions, scene, depth_seen=depth_seen)
     false = contradicted(impact, scene.bodies, depth_seen=depth_seen)
     if false is not None:
@@ -200,13 +200,20 @@ def _named(poses: ShotPoses, chosen: NDArray[np.bool_]) -> tuple[tuple[str, int]
     return tuple(("ab"[i], int(poses.frames[k])) for k, i in np.argwhere(chosen))
 
 
-def _astray(poses: ShotPoses, side: Side, sphere: int, scene: Scene) -> NDArray[np.bool_]:
+def _astray(
+    poses: ShotPoses, side: Side, sphere: int, scene: Scene, *, depth_seen: bool
+) -> NDArray[np.bool_]:
     """Return which orientations of a side contradict the others, shape (rows,)."""
     turned = poses.turned[side.rows, sphere]
     rows = side.rows[turned]
     sigma = np.hypot(poses.rotation_sigma[rows, sphere], scene.slow.rotation_rad)
     astray = np.zeros(len(side.rows), dtype=np.bool_)
-    astray[turned] = ~agreeing_turns(poses.times_s[rows], poses.rotation[rows, sphere], sigma)
+    astray[turned] = ~agreeing_turns(
+        poses.times_s[rows],
+        poses.rotation[rows, sphere],
+        sigma,
+        least=LEAST_TOGETHER if depth_seen else LEAST_IN_ONE_VIEW,
+    )
     return astray
 
 

@@ -176,17 +176,22 @@ TRIED = 24
 """Frames through which rates are tried, evenly through the track."""
 SHORTEST = 0.125
 """Of a pair of frames that gives a rate, share of the track."""
-MOST_ASTRAY, LEAST_TOGETHER = 0.05, 0.8
-"""Share of the weight off the best rate that a robust fit bears, and that the best rate needs."""
+MOST_ASTRAY = 0.05
+"""Share of the weight off the best rate that a robust fit bears."""
+LEAST_TOGETHER, LEAST_IN_ONE_VIEW = 0.5, 0.8
+"""Share of the weight that the best rate needs. In one view few markers are seen, and the run that
+agrees may be the wrong one of two."""
 
 LEAST_TURNS_CHECKED = 3
 
 
-def agreeing_turns(times_s: Floats, rotations: Floats, sigma: Floats) -> NDArray[np.bool_]:
+def agreeing_turns(
+    times_s: Floats, rotations: Floats, sigma: Floats, *, least: float = LEAST_TOGETHER
+) -> NDArray[np.bool_]:
     """Return which orientations of one side of a contact agree with one rate, shape (frames,).
 
-    All of them where hardly any lies off it; none where less than half of their weight agrees, or
-    where two agree and others contradict them: any two have a rate in common.
+    All of them where hardly any lies off it; none where less than `least` of their weight agrees,
+    or where two agree and others contradict them: any two have a rate in common.
 
     Parameters
     ----------
@@ -218,5 +223,5 @@ def agreeing_turns(times_s: Floats, rotations: Floats, sigma: Floats) -> NDArray
             share, best = float(own.max()), agree[own.argmax()]
     if share >= 1.0 - MOST_ASTRAY:
         return np.ones(count, dtype=np.bool_)
-    sure = share >= LEAST_TOGETHER and best.sum() >= LEAST_TURNS_CHECKED
+    sure = share >= least and best.sum() >= LEAST_TURNS_CHECKED
     return best if sure else np.zeros(count, dtype=np.bool_)
