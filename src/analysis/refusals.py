@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from analysis.collision.coefficients import Impact, NoTouchError
+from analysis.collision.coefficients import Impact
+from analysis.collision.instant import NoTouchError
 from analysis.errors import NoContactError, ShotRefusedError
 from analysis.motion.split import LEAST_FRAMES
 from analysis.motion.velocity import FlightPath

@@ -30,8 +30,9 @@ if TYPE_CHECKING:
 ASTRAY = "it contradicts those of the other frames on its side of the contact"
 
 FALSE_SPINS = (
-    "their change at the contact contradicts the impulse that velocities show, so that the few "
-    "markers that are known of it are seen in a wrong turn; more training shots, or markers, help"
+    "their change at the contact contradicts the impulse that velocities or the other sphere's "
+    "spins show, so that the few markers that are known of it are seen in a wrong turn; more "
+    "training shots, or markers, help"
 )
 
 

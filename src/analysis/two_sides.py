@@ -17,11 +17,11 @@ from analysis.arrays import Floats
 from analysis.collision.coefficients import (
     Impact,
     Motion,
-    NoTouchError,
     first_touch,
     measure_impact,
 )
 from analysis.collision.contact_frames import inside_contact
+from analysis.collision.instant import NoTouchError
 from analysis.collision.spin_balance import contradicted
 from analysis.errors import ShotRefusedError
 from analysis.motion.cutting import cut_tears
@@ -67,7 +67,8 @@ class TwoSides:
     astray
         Sphere and number of frames whose orientations contradict the others of their side.
     false_spins
-        Sphere whose spins the impulse contradicts; they are not measured.
+        Sphere whose spins the impulse or the other sphere's spins contradict; they are not
+        measured.
     flight_chi2
         Chi-squared per degree of freedom of positions, of both spheres before and after contact,
         shape (4,); not a number without freedom.

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from analysis.arrays import Floats
 from analysis.collision.derivative import derivative
 from analysis.collision.impact import ContactState, impact_velocities
-from analysis.collision.instant import parting_time, touching_time
+from analysis.collision.instant import NoTouchError, parting_time, touching_time
 from analysis.collision.operator import Body
 from analysis.collision.unseen_depth import UnseenDepth
 from analysis.motion.spin import Spin
@@ -87,20 +87,6 @@ class Impact:
     before: ContactState
     after: ContactState
     state_sigma: Floats
-
-
-class NoTouchError(Exception):
-    """The paths before contact do not come as near as the spheres' radii together.
-
-    Attributes
-    ----------
-    closest_m
-        Least distance between the centres on those paths.
-    """
-
-    def __init__(self, closest_m: float) -> None:
-        self.closest_m = closest_m
-        super().__init__(f"closest approach of the centres {1e3 * closest_m:.2f} mm")
 
 
 def first_touch(a: FlightPath, b: FlightPath, radii: tuple[float, float]) -> float:
@@ -209,7 +195,7 @@ def measure_impact(
 
     if unseen is not None:
         covariance = covariance + unseen.scatter(outcomes(centre[None])[0])
-        centre, covariance = unseen.shown(outcomes, centre, covariance)
+        centre, covariance, common = unseen.shown(outcomes, centre, covariance, common)
     jacobian = derivative(outcomes, centre, np.sqrt(np.diag(covariance)))
     spread = jacobian @ covariance @ jacobian.T
     if unseen is not None:

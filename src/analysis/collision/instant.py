@@ -7,6 +7,20 @@ import numpy as np
 from analysis.arrays import Floats
 
 
+class NoTouchError(Exception):
+    """The paths before contact do not come as near as the spheres' radii together.
+
+    Attributes
+    ----------
+    closest_m
+        Least distance between the centres on those paths.
+    """
+
+    def __init__(self, closest_m: float) -> None:
+        self.closest_m = closest_m
+        super().__init__(f"closest approach of the centres {1e3 * closest_m:.2f} mm")
+
+
 def touching_time(separation: Floats, relative_velocity: Floats, distance: Floats) -> Floats:
     """Return the time until two spheres on straight paths first touch, for one pair or many.
 

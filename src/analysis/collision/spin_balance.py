@@ -1,4 +1,4 @@
-"""Whether a sphere's spin changes as the impulse on it asks for: a test of followed turns.
+"""Whether a sphere's spin changes as the impulse on both asks for: a test of followed turns.
 
 One impulse J at the contact changes velocity and spin of a sphere together, I (w' - w) = -R n x J,
 whatever the law of contact. Orientations seen by few markers may be followed in a wrong turn that
@@ -16,8 +16,9 @@ from analysis.collision.operator import Body
 
 ALONG_Z = np.array([0.0, 0.0, 1.0])
 MOST_OFF, AGREES = 3.0, 1.0
-"""Of what errors allow: spins off by more are contradicted, where the other sphere's agree. A law
-of contact that the balance lacks, as a moment of its own, would bring both off alike."""
+"""Of what errors allow: spins off by more contradict the impulse that velocities show, where the
+other sphere's agree with it. A law of contact that the balance lacks, as a moment of its own, would
+bring both off alike."""
 MOST_APART, LESS_SURE = 0.8, 2.0
 """Of what errors and moments allow: spins of a and b whose changes differ by more contradict each
 other (right ones do by 0.3 at most), and wrong are those of so many times the other's error."""
@@ -26,7 +27,11 @@ NORMAL_TURNS = 0.01
 
 
 def contradicted(impact: Impact, bodies: tuple[Body, Body], *, depth_seen: bool) -> int | None:
-    """Return the sphere, 0 for a and 1 for b, whose spins the impulse alone contradicts."""
+    """Return the sphere, 0 for a and 1 for b, whose spins are wrong; None where none are.
+
+    They contradict the impulse that velocities show, with which the other sphere's agree; or both
+    contradict each other, and its are by far the less sure ones.
+    """
     off = spins_off(impact, bodies, depth_seen=depth_seen)
     worst = int(np.nan_to_num(off).argmax())
     if off[worst] > MOST_OFF and off[1 - worst] < AGREES:
@@ -40,8 +45,10 @@ def contradicted(impact: Impact, bodies: tuple[Body, Body], *, depth_seen: bool)
 def spins_apart(impact: Impact, bodies: tuple[Body, Body]) -> float:
     """Return by how much the changes of both spins differ, over what errors and moments allow.
 
-    One impulse turns both spheres, I_a (w_a' - w_a) / R_a = I_b (w_b' - w_b) / R_b, but for moments
-    of the contact's own. Not a number where a spin is not measured, and with a plate.
+    One impulse turns both spheres across the normal,
+    I_a (w_a' - w_a) / R_a = I_b (w_b' - w_b) / R_b. About the normal it turns neither, and a moment
+    of the contact's own turns them against each other: that part does not count. Not a number where
+    a spin is not measured, and with a plate.
     """
     before, after = impact.before, impact.after
     velocity = (after.velocity_b - before.velocity_b) - (after.velocity_a - before.velocity_a)
@@ -49,11 +56,12 @@ def spins_apart(impact: Impact, bodies: tuple[Body, Body]) -> float:
     if any(body.is_plate for body in bodies):
         return float("nan")
     levers = np.array([body.inertia / body.radius for body in bodies])
-    errors = levers * np.linalg.norm(impact.state_sigma[:, 2:], axis=(0, 2))
+    across = 1.0 - impact.normal**2
+    errors = levers * np.sqrt((impact.state_sigma[:, 2:] ** 2 @ across).sum(axis=0))
     impulse = float(np.linalg.norm(velocity)) / sum(1.0 / body.mass for body in bodies)
     moments = _normal_turns(impact, bodies) * impulse
-    apart = np.linalg.norm(levers[0] * changes[0] - levers[1] * changes[1])
-    return float(apart / np.hypot(np.linalg.norm(errors), moments))
+    apart = np.cross(impact.normal, levers[0] * changes[0] - levers[1] * changes[1])
+    return float(np.linalg.norm(apart) / np.hypot(np.linalg.norm(errors), moments))
 
 
 def spins_off(impact: Impact, bodies: tuple[Body, Body], *, depth_seen: bool) -> Floats:

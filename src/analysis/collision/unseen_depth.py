@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from analysis.arrays import Floats
 from analysis.collision.contact_frames import DURATIONS_AFTER, longest_contact
 from analysis.collision.derivative import derivative
-from analysis.collision.instant import touching_time
+from analysis.collision.instant import NoTouchError, touching_time
 from analysis.collision.operator import Body
 
 PLACE_SIGMA, SLOPE_SIGMA = 0.015, 0.005
@@ -34,7 +34,8 @@ MOST_OFF = 4.0
 """Standard errors beyond which depth that spins show is none: one of them is wrong."""
 TURN_SHARE, TURN_SIGMA = 0.25, 1e-3
 """Standard errors of the normal at the middle of the contact, as a share of its turn since first
-touch, and of the direction of friction against the surface velocity there, rad."""
+touch (all of it where paths tell no duration), and of the direction of friction against the surface
+velocity there, rad."""
 DRAWS = 250
 """Depths that are drawn, each of them to either side."""
 PLACES, DRIFTS, PUSHED = [2, 8], [5, 11], [17, 23]
@@ -112,9 +113,12 @@ class UnseenDepth:
         return covariance
 
     def shown(
-        self, outcomes: Outcomes, centre: Floats, covariance: Floats
-    ) -> tuple[Floats, Floats]:
-        """Return state and covariance by what the spins show of depth.
+        self, outcomes: Outcomes, centre: Floats, covariance: Floats, common: Floats
+    ) -> tuple[Floats, Floats, Floats]:
+        """Return state, covariance and shared errors by what the spins show of depth.
+
+        A shot that just grazes, and would not touch in the depth that they show, has all three as
+        they came.
 
         Parameters
         ----------
@@ -122,6 +126,9 @@ class UnseenDepth:
             From states to numbers.
         centre, covariance
             State without depth, and its covariance with what depth may be, shapes (37,), (37, 37).
+        common
+            What one standard error of each thing that all shots share does to the state, shape
+            (K, 37): depth is found by what they have changed, and takes a part of it.
 
         Notes
         -----
@@ -131,26 +138,34 @@ class UnseenDepth:
         surface velocity, as nothing but that tells friction of like directions where to push. A
         step of a Kalman filter holds it to either, the normal taken at the middle of the contact.
         """
+        came = centre, covariance, common
         if not self.spins_known.all():
-            return centre, covariance
-        for which in (0, 1):
-            numbers = outcomes(centre[None])[0]
-            jacobian = derivative(outcomes, centre, np.sqrt(np.diag(covariance)))
-            turn = self._turn(numbers)
+            return came
+        try:
+            for which in (0, 1):
+                numbers = outcomes(centre[None])
+                turn = self._turn(numbers[0])
+                share = TURN_SHARE if np.isfinite(numbers[0, DURATION]) else 1.0
 
-            def off(some: Floats, turn: Floats = turn, which: int = which) -> Floats:
-                return self._across(some, turn)[:, which : which + 1]
+                def off(states: Floats, turn: Floats = turn, which: int = which) -> Floats:
+                    return self._across(outcomes(states), turn)[:, which : which + 1]
 
-            value = float(off(numbers[None])[0, 0])
-            slope = (derivative(off, numbers, np.ones(len(numbers))) @ jacobian)[0]
-            by_turn = TURN_SHARE * (value - float(off(numbers[None], np.zeros(3))[0, 0]))
-            by_law = TURN_SIGMA * self._across(numbers[None], turn)[0, 2] if which else 0.0
-            along = covariance @ slope
-            variance = float(slope @ along) + by_turn**2 + by_law**2
-            if 0.0 < value**2 <= MOST_OFF**2 * variance:
-                centre = centre - along * (value / variance)
-                covariance = covariance - np.outer(along, along) / variance
-        return centre, covariance
+                as_turned, at_touch = (self._across(numbers, t)[0] for t in (turn, 0.0 * turn))
+                value = float(as_turned[which])
+                slope = derivative(off, centre, np.sqrt(np.diag(covariance)))[0]
+                by_turn = share * (value - at_touch[which])
+                by_law = TURN_SIGMA * as_turned[2] if which else 0.0
+                along = covariance @ slope
+                variance = float(slope @ along) + by_turn**2 + by_law**2
+                if 0.0 < value**2 <= MOST_OFF**2 * variance:
+                    centre = centre - along * (value / variance)
+                    covariance = covariance - np.outer(along, along) / variance
+                    common = common - np.outer(common @ slope, along / variance)
+            # What is worked out from here must touch, a tenth of its errors to either side too.
+            derivative(outcomes, centre, np.sqrt(np.diag(covariance)))
+        except NoTouchError:
+            return came
+        return centre, covariance, common
 
     def _turn(self, numbers: Floats) -> Floats:
         """Return what the normal has changed by at the middle of the contact, shape (3,)."""

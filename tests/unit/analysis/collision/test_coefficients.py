@@ -7,10 +7,10 @@ from scipy.spatial.transform import Rotation
 from analysis.collision.coefficients import (
     Impact,
     Motion,
-    NoTouchError,
     first_touch,
     measure_impact,
 )
+from analysis.collision.instant import NoTouchError
 from analysis.motion.spin import Spin
 from analysis.motion.velocity import FlightPath
 

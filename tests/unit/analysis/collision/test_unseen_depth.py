@@ -15,13 +15,18 @@ R = 0.0127
 E, MU = 0.74, 0.08
 BALL = Body.sphere(2.0 * R, 1140.0, 0.4)
 NOTHING = np.zeros((6, 6))
+ASIDE = np.array([0.0, 1.0, 0.0])
 Floats = NDArray[np.float64]
 
 
-def flat(place: Floats, velocity: Floats) -> FlightPath:
-    """Return a path as a camera without a mirror gives it: exact, but for the depth."""
+def flat(place: Floats, velocity: Floats, slowed: float = 0.0) -> FlightPath:
+    """Return a path as a camera without a mirror gives it: exact, but for the depth.
+
+    One standard error of drag slows it by so much of its velocity.
+    """
     shown = np.array([1.0, 1.0, 0.0])
-    return FlightPath(0.0, place * shown, velocity * shown, np.zeros(3), NOTHING, 1.0, np.zeros(6))
+    shift = np.concatenate([np.zeros(3), slowed * velocity * shown])
+    return FlightPath(0.0, place * shown, velocity * shown, np.zeros(3), NOTHING, 1.0, shift)
 
 
 def seen(
@@ -31,12 +36,16 @@ def seen(
     markers: bool = True,
     spin_sigma: float = 0.0,
     moment: float = 0.0,
+    scale_sigma: float = 0.0,
+    slowed: float = 0.0,
+    aside: float = 0.0,
 ) -> tuple[Impact, float, float]:
     """Return what is measured of a sliding impact of two like spheres, its true beta and tilt.
 
     `depth` scales how far the spheres lie off in depth, and drift in it; without `markers` no spin
     is seen, and with them as well as `spin_sigma` in rad/s has it. `moment` is what a moment about
-    the normal at the contact changes a spin by, rad/s.
+    the normal at the contact changes a spin by, rad/s. `scale_sigma` and `slowed` are what is
+    unsure for all shots alike, and `aside` lets paths after the contact be seen apart, in radii.
     """
     off = depth * 0.015 * 2.0 * R * rng.standard_normal(2)
     drift = depth * 0.005 * 2.0 * rng.standard_normal(2)
@@ -64,14 +73,16 @@ def seen(
     places = np.array([-normal * R, normal * R])
     motions = [
         Motion(
-            flat(places[i], velocity[i]),
-            flat(places[i], after[i]),
+            flat(places[i], velocity[i], slowed),
+            flat(places[i] + (2 * i - 1) * 0.5 * aside * R * ASIDE, after[i], -slowed),
             Spin(spin[i] + noise[0, i], unsure, 1.0) if markers else None,
             Spin(spin_after[i] + noise[1, i], unsure, 1.0) if markers else None,
         )
         for i in (0, 1)
     ]
-    impact = measure_impact(motions[0], motions[1], (R, R), 0.0, without_depth=(BALL, BALL))
+    impact = measure_impact(
+        *motions, radii=(R, R), scale_sigma=scale_sigma, without_depth=(BALL, BALL)
+    )
     return impact, -float(slip_after @ slip) / v_s**2, float(normal[2])
 
 
@@ -137,6 +148,52 @@ def test_a_tilt_that_no_launch_gives_is_not_taken_from_spins() -> None:
     b = Motion(flat(place, -speed), flat(place, 0.7 * speed), still, still)
     impact = measure_impact(a, b, (R, R), 0.0, without_depth=(BALL, BALL))
     assert impact.normal[2] == 0.0
+
+
+@pytest.mark.parametrize("scale_sigma", [3e-4, 3e-3])
+def test_what_all_shots_share_is_a_part_of_the_whole_error(scale_sigma: float) -> None:
+    """What spins show of depth is shown by shared errors too, and they take part of it."""
+    rng = np.random.default_rng(9)
+    for _ in range(60):
+        impact, _, _ = seen(rng, 1.0, spin_sigma=0.1, scale_sigma=scale_sigma, slowed=1e-3)
+        held = impact.shared[:2]
+        own = np.linalg.eigvalsh(impact.covariance - held.T @ held)
+        assert own.min() > -1e-9 * own.max()
+        for told in (impact.e, impact.beta, impact.v_n, impact.v_s, impact.v_n_after):
+            assert told is not None
+            assert told.common is not None
+            assert told.common <= told.sigma * (1.0 + 1e-9)
+
+
+def test_spins_show_depth_where_paths_after_the_contact_tell_no_duration() -> None:
+    tilts, off = [], []
+    rng = np.random.default_rng(10)
+    for _ in range(60):
+        impact, _, tilt = seen(rng, 1.0, spin_sigma=0.1, aside=1.5)
+        assert impact.duration is None
+        tilts.append(tilt)
+        off.append((impact.normal[2] - tilt) / impact.normal_sigma[2])
+        assert impact.normal_sigma[2] < 0.3 * 0.021
+    assert np.std(tilts) > 0.015
+    assert 0.6 < np.sqrt(np.mean(np.square(off))) < 1.25
+
+
+def test_a_shot_that_just_grazes_is_measured_whatever_depth_its_spins_show() -> None:
+    """They pass at 0.9995 of the reach, which leaves room for a tilt of 0.032 of the normal."""
+    normal = np.array([0.9995, np.sqrt(1.0 - 0.9995**2), 0.0])
+    place, speed = R * normal, np.array([0.0, 2.0, 0.0])
+    unsure = 0.1**2 * np.eye(3)
+    still, tilt = Spin(np.zeros(3), unsure, 1.0), {"room": 0.02, "none": 0.05}
+    found = {}
+    for name, size in tilt.items():
+        turned = Spin(np.array([30.0 * size, 0.0, -30.0]), unsure, 1.0)
+        a = Motion(flat(-place, speed), flat(-place, 0.99 * speed), still, turned)
+        b = Motion(flat(place, -speed), flat(place, -0.99 * speed), still, turned)
+        found[name] = measure_impact(a, b, (R, R), 0.0, without_depth=(BALL, BALL))
+    assert found["room"].normal[2] == pytest.approx(tilt["room"], rel=0.1)
+    # Where there is none, the normal stays in the picture, as unsure as launches leave it.
+    np.testing.assert_allclose(found["none"].normal, normal, atol=1e-12)
+    assert found["none"].normal_sigma[2] > 0.02
 
 
 def test_without_spins_restitution_stays_within_its_error() -> None:
