@@ -19,7 +19,7 @@ from analysis.model.fitting.lasting_scan import STEPS, Scan, Start
 from analysis.model.predict.free_flights import SIDE, FreeFlights
 from analysis.model.predict.theory import Theory
 
-LEAST_SHOTS, FEW_SHOTS, MOST_SHOTS = 3, 18, 40
+LEAST_SHOTS, FEW_SHOTS, MOST_SHOTS = 3, 24, 60
 TYPICAL = tuple((ratio, 0.05) for ratio in (0.08, 0.2, 0.45, 1.0))
 """Stiffness ratios, and the tangential damping, that each family is gone down from."""
 MIDDLE = 0.3, 0.05
