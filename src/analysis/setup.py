@@ -195,7 +195,8 @@ class SlowErrors:
     shared_rad
         The same of orientations; 0: larger than `rotation_rad` as `shared_m` is than `position_m`.
     depth_m
-        `position_m` of Z alone, which another view or a mirror shows; 0: as of X and Y.
+        `position_m` of Z alone, which another view or a mirror shows; 0: as of X and Y. Fits of a
+        campaign take it; a shot by itself is measured with `position_m` along all axes.
     varying
         Share of that, of places and of turns, which changes with the place in the field.
     scale
@@ -222,7 +223,7 @@ class SlowErrors:
     @property
     def stated(self) -> bool:
         """Whether any is larger than zero."""
-        return self.common_m > 0 or self.rotation_rad > 0 or self.scale > 0
+        return self.common_m > 0 or self.common_rad > 0 or self.scale > 0
 
     @property
     def sizes(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
@@ -233,14 +234,15 @@ class SlowErrors:
     @property
     def common_m(self) -> float:
         """Size of what all flights of a sphere share, of a coordinate, m."""
-        return max(self.position_m, self.shared_m)
+        return max(self.position_m, self.depth_m, self.shared_m)
 
     @property
     def common_rad(self) -> float:
         """The same of orientations, rad: unless stated, larger than of one flight by as much."""
         if self.shared_rad > 0:
             return max(self.shared_rad, self.rotation_rad)
-        enlarged = self.common_m / self.position_m if self.position_m > 0 else 1.0
+        shared_m = max(self.position_m, self.shared_m)
+        enlarged = shared_m / self.position_m if self.position_m > 0 else 1.0
         return enlarged * self.rotation_rad
 
     @property

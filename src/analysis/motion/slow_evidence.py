@@ -56,14 +56,18 @@ def slow_size(films: Sequence[Evidence], middle: float, factor: float = PRIOR_FA
     middle
         Of the prior, in the unit of the size.
     factor
-        One standard error of the prior.
+        One standard error of the prior. What an odd film's own size may be is as wide as ever.
     """
-    prior = -0.5 * (np.log(SIZES) / np.log(factor)) ** 2
-    prior = np.exp(prior) / np.exp(prior).sum()
-    posterior = np.log(prior)
+    posterior, wide = np.log(_prior(factor)), _prior(PRIOR_FACTOR)
     for film in films:
         own = film.log_likelihood(middle * SIZES)
         own = np.exp(own - own.max())
-        posterior += np.log((1.0 - ODD_SHARE) * own + ODD_SHARE * float(own @ prior))
+        posterior += np.log((1.0 - ODD_SHARE) * own + ODD_SHARE * float(own @ wide))
     weight = np.exp(posterior - posterior.max())
     return middle * float(np.sqrt(weight @ SIZES**2 / weight.sum()))
+
+
+def _prior(factor: float) -> Floats:
+    """Return the chances of the `SIZES` where one standard error is a factor."""
+    chances = np.exp(-0.5 * (np.log(SIZES) / np.log(factor)) ** 2)
+    return np.asarray(chances / chances.sum())

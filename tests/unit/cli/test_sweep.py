@@ -99,6 +99,20 @@ def test_a_file_is_read_and_watched_to_its_end(daemon: Daemon, tmp_path: Path, c
     assert (document["state"], document["table"][0]["step"]) == ("completed", 2)
 
 
+@pytest.mark.parametrize(
+    ("config", "said"),
+    [(None, "pressure_a_kpa.*-5 kPa.*5 to 120 kPa.*choose"), ("none.toml", "pressure_a_kpa.*-5")],
+)
+def test_a_listed_shot_beyond_any_rig_is_refused_by_its_value(
+    config: str | None, said: str, tmp_path: Path, capsys: Any
+) -> None:
+    file = tmp_path / "sweep.toml"
+    file.write_text("[[shots]]\npressure_a_kpa = -5.0\npressure_b_kpa = 40.0\noffset_mm = 1.0\n")
+    named = [] if config is None else ["--config", str(tmp_path / config)]
+    assert run(["sweep", str(file), *named]) == 2
+    assert re.search(said, " ".join(capsys.readouterr().err.split()))
+
+
 def test_a_sweep_that_waits_for_a_person_ends_with_3_and_its_reason(
     daemon: Daemon, capsys: Any
 ) -> None:

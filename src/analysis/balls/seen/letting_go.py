@@ -47,12 +47,14 @@ def _of_arc(arc: Arc, least: float) -> int:
 def rests(times_s: Floats, rows: Floats, radius_px: float) -> int:
     """Return how many places of a first flight come before the ball is let go.
 
+    Of the last flight turned round, the same says how many come after the ball is caught. Fewer
+    than LEAST_RESTING are none: a ball that enters the picture is placed badly before its light is
+    learned.
+
     Parameters
     ----------
     times_s, rows
-        Of fitted places up to the first bounce, shape (N,). Of the last flight turned round, the
-        same says how many come after the ball is caught. Fewer than LEAST_RESTING are none: a ball
-    that enters the picture is placed badly before its light is learned.
+        Of fitted places up to the first bounce, s and px, shape (N,).
     """
     least = FITTED_RADII * radius_px + FITTED_PX
     found = _begins(times_s[:-AT_BOUNCE], rows[:-AT_BOUNCE], least, WITH_DRAG)

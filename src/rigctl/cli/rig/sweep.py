@@ -124,8 +124,8 @@ def run(
         form = _of_ranges(ranges, order) if file is None else _of_file(file, ranges)
     except ConfigurationError:
         # Where a value is beyond any rig, this rig's own limits say what may be asked of it.
-        levels = read_toml(file).get("grid") if file and not ranges else _grid(ranges)
-        _require_within(levels, config)
+        asked = read_toml(file) if file and not ranges else {"grid": _grid(ranges)}
+        _require_within(asked, config)
         raise
     with connected(config, given_key(key, key_file)) as daemon:
         document = form.model_dump(mode="json", exclude_defaults=True)
@@ -222,17 +222,25 @@ def _grid(ranges: Mapping[str, tuple[str, str]]) -> Document:
     return {name: _levels(*given) for name, given in ranges.items()}
 
 
-def _require_within(grid: object, config: Path | None) -> None:
-    """Check the levels of a grid against this rig's limits; what is no grid has none.
+def _require_within(asked: Document, config: Path | None) -> None:
+    """Check the levels of a grid and the values of listed shots against this rig's limits.
+
+    What is no grid and no shot has none; nor has a rig whose configuration cannot be read.
 
     Raises
     ------
     SettingsError
-        A level lies outside; those between the ends of a range lie within where the ends do.
+        A value lies outside; those between the ends of a range lie within where the ends do.
     """
-    limits = load(config).limits
-    for name, levels in grid.items() if isinstance(grid, dict) else ():
-        ends = [levels.get("first"), levels.get("last")] if isinstance(levels, dict) else levels
+    try:
+        limits = load(config).limits
+    except ConfigurationError:
+        return
+    shots = asked.get("shots")
+    tables = [asked.get("grid"), *(shots if isinstance(shots, list) else [])]
+    levels = (pair for table in tables if isinstance(table, dict) for pair in table.items())
+    for name, own in levels:
+        ends = [own.get("first"), own.get("last")] if isinstance(own, dict) else own
         for value in ends if isinstance(ends, list) else [ends]:
             if isinstance(value, (int, float)) and math.isfinite(value):
                 require_value(name, float(value), limits)

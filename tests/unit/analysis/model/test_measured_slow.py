@@ -70,6 +70,18 @@ def test_depth_and_turns_have_sizes_of_their_own(depth: float, turned_by: float)
     assert turns == pytest.approx(turned_by * TURN_PER_M * TRUE_M, rel=0.25)
 
 
+def test_a_few_shots_with_far_larger_errors_leave_the_sizes_of_the_others() -> None:
+    data, odd = (filmed(36, size, TRUE_M) for size in (TRUE_M, 12.0 * TRUE_M))
+    few = np.arange(36) % 6 == 0
+    mixed = replace(
+        data,
+        position=np.where(few[:, None, None, None], odd.position, data.position),
+        rotation=np.where(few[:, None, None, None, None], odd.rotation, data.rotation),
+    )
+    (x, _, z), (turns, _, _) = with_measured_slow_errors(mixed).slow.sizes
+    assert (x, z, turns / TURN_PER_M) == pytest.approx((TRUE_M, TRUE_M, TRUE_M), rel=0.5)
+
+
 def test_spheres_that_turn_by_several_radians_in_a_flight_show_the_size_too() -> None:
     data = filmed(40, TRUE_M, TRUE_M, interval_s=6e-3)
     steps = Rotation.from_matrix(

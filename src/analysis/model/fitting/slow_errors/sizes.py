@@ -73,13 +73,15 @@ class Factors:
     def of(cls, films: Sequence[Sequence[Evidence]]) -> Factors:
         """Return those that films show of the three `KINDS`: each near that of all together."""
         joint = slow_size([Evidence.joined(film) for film in films], 1.0)
-        kinds = zip(*films, strict=True)
-        return cls(*(slow_size(own, joint, APART) for own in kinds))
+        return cls(*(slow_size(own, joint, APART) for own in zip(*films, strict=True)))
 
     def by_axes(self, axes: tuple[int, ...]) -> float:
         """Return that of numbers of these axes."""
-        kind = next(k for k, kind in enumerate(KINDS) if axes in kind)
-        return (self.places, self.depth, self.turns)[kind]
+        return (self.places, self.depth, self.turns)[_kind_of(axes)]
+
+
+def _kind_of(axes: tuple[int, ...]) -> int:
+    return next(k for k, kind in enumerate(KINDS) if axes in kind)
 
 
 def _resized(data: PoseData, factors: Factors, varying: float) -> PoseData:
@@ -156,7 +158,7 @@ def _films(
     """
     seen: list[list[list[Evidence]]] = [[[] for _ in KINDS] for _ in data.shots]
     for numbers in known:
-        kind = next(k for k, kind in enumerate(KINDS) if numbers.axes in kind)
+        kind = _kind_of(numbers.axes)
         own = zip(numbers.shots, numbers.gains, off.squares(numbers), strict=True)
         for row, gains, squares in own:
             seen[row][kind].append(Evidence(gains, squares))
