@@ -28,6 +28,9 @@ REFINED, BEGUN = 12, 6
 """Minima that are refined with few shots, and with all."""
 FAR_BEHIND = 30.0
 """Loss with few shots by which a minimum is behind the best, and not refined with all."""
+UNDAMPED, AGAIN = 0.01, (0.6, 0.2)
+"""Damping below which laws that differ by their damping are one: those near a law that came out so
+are gone down to from another damping as well, at this share of its stiffness ratio."""
 ALIKE = 0.02
 TOLD_SIGMAS = 3.0
 """A duration that is not so many standard errors from zero, in the mean of all shots, is none."""
@@ -52,12 +55,22 @@ def starts(flights: FreeFlights, law: ContactLaw, theory: Theory) -> list[Start]
     whole = _scan(flights, theory, law).about(best[0])
     led = _distinct(whole.refined(best))
     akin = [
-        replace(one, law=form)
+        replace(begun, law=form)
         for one in led
         if one.cost < led[0].cost + FAR_BEHIND
         for form in one.law.akin
+        for begun in _damped(one)
     ]
     return _distinct([*led, *whole.refined(akin)])
+
+
+def _damped(found: Start) -> list[Start]:
+    """Return where laws near one begin: where it is, and damped where it is not."""
+    *others, ratio, damping = found.vector
+    if damping > UNDAMPED:
+        return [found]
+    share, other = AGAIN
+    return [found, replace(found, vector=np.array([*others, share * ratio, other]))]
 
 
 def _spread(flights: FreeFlights, most: int) -> FreeFlights:
