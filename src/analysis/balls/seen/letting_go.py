@@ -1,8 +1,8 @@
 """Where a ball's first flight begins and its last one ends: hands hold and catch it.
 
 A ball that is let go stays where it was held for as long as a search with a wide tolerance likes:
-frames of a hand bend a flight more slowly than gravity does. Those of a ball at rest at the top of
-its flight are told by fitted places alone.
+frames of a hand bend a flight more slowly than gravity does. A rest at the top of a flight is found
+only where places were fitted.
 """
 
 from __future__ import annotations
