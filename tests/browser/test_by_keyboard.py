@@ -68,7 +68,8 @@ def test_a_challenge_is_played_from_its_level_to_the_broken_seal_by_keys_alone(
     page.keyboard.press("Enter")
     keys.press("commit")
     # Whoever presses Enter without reading commits to nothing.
-    expect(page.get_by_role("button", name="Cancel")).to_be_focused()
+    asked = page.get_by_test_id("ask-again")
+    expect(asked.get_by_role("button", name="Cancel")).to_be_focused()
     keys.press("commit-now")
     keys.press("reveal")
     expect(page.get_by_test_id("truth")).to_contain_text("Wrong.")

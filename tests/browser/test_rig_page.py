@@ -9,7 +9,7 @@ import httpx
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import FIRST_USE_MS, KEY, Served
+from tests.browser.conftest import FIRST_USE_MS, KEY, Served, fire
 from tests.browser.test_accessibility import faults
 
 
@@ -71,11 +71,6 @@ def test_the_next_film_is_drawn_in_the_place_of_the_last(page: Page) -> None:
 MARKED = """[...document.querySelectorAll(".strip .frame")].map((one, place) => [one, place])
   .filter(([one]) => getComputedStyle(one).borderTopColor !== "rgba(0, 0, 0, 0)")
   .map(([, place]) => place)"""
-
-
-def fire(page: Page) -> None:
-    page.get_by_test_id("arm").click()
-    page.get_by_test_id("fire").click()
 
 
 def marked(page: Page) -> list[int]:

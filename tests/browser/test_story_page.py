@@ -95,9 +95,12 @@ def test_a_hidden_effect_is_moved_added_and_kept_by_a_reload(page: Page, served:
 def before_and_after_are_turned(page: Page) -> None:
     """Look at steps 1 and 2 without the effect, then with it again."""
     said, step = page.get_by_test_id("story-compare"), page.locator("#step-1")
+    law = page.get_by_test_id("law")
     expect(said).to_contain_text("agrees with the model")
+    expect(law).to_contain_text(re.compile(r"spin-back β₀\s*(\d\.\d+ ± \d\.\d+)\s*was (?!\1)\d"))
     step.get_by_role("button", name="before adding").click()
     expect(said).to_contain_text("times the noise, so this is no noise")
+    expect(law).not_to_contain_text("was")
     expect(page.get_by_test_id("story-where")).to_contain_text("wrong")
     step.get_by_role("button", name="after", exact=True).click()
     expect(said).to_contain_text("agrees with the model")

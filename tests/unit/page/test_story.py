@@ -11,6 +11,7 @@ from analysis.model.verdict.standing import Standing, Word
 from analysis.quantity import Quantity
 from analysis.schema.verdict import Nuisance
 from rigctl.model.known_effects import ALL_EFFECTS, effect_document
+from rigctl.page.model.story.answers import of_the_same
 from rigctl.page.model.story.cards import HERE, card_of, in_plain
 from rigctl.page.model.story.preview import preview
 from rigctl.page.model.story.words import (
@@ -152,3 +153,18 @@ def test_a_quantity_that_stands_out_at_the_floor_is_named_beside_what_all_say_to
     said = compared({"stages": [{"quantities": rows}]}, Standing(Word.FLOOR))
     assert said.startswith("Over everything together the model errs no more than the noise.")
     assert "Of 2 quantities the measured height alone stands out, by 80 mm/s: 1.79 times" in said
+
+
+def test_points_after_an_effect_are_those_of_the_same_shots_and_frames_as_before() -> None:
+    before = {"shots": [3, 3, 8], "frames": [1, 4, 1]}
+    after = {
+        "shots": [3, 3, 5, 8, 8],
+        "frames": [1, 2, 1, 1, 4],
+        "x": [0.1, 0.2, 0.3, 0.4, 0.5],
+        "residual": [1.0, 2.0, 3.0, 4.0, 5.0],
+        "sigma": [0.1, 0.1, 0.1, 0.1, 0.1],
+        "unit": "mm",
+    }
+    same = of_the_same(after, before)
+    assert same["residual"] == [1.0, 4.0]
+    assert (same["shots"], same["frames"], same["unit"]) == ([3, 8], [1, 1], "mm")

@@ -17,9 +17,9 @@ from rigctl.page.model.story.plots import before_after
 from rigctl.page.model.story.preview import plainest
 from rigctl.page.model.story.where import PLACES
 from rigctl.page.model.story.words import channel, sized
-from rigctl.page.model.where import apart
+from rigctl.page.model.where import BY_POINT, apart
 from rigctl.page.parts.quantities import EXPECTED
-from rigctl.page.parts.tables import minus
+from rigctl.page.parts.tables import minus, with_error
 from rigctl.page.parts.widgets import plot
 
 
@@ -40,15 +40,27 @@ def changed(before: Json, after: Json, card: Card) -> None:
     if shown is None:
         return
     cell, first, second = shown
-    first, second = apart(first), apart(second)
+    first = apart(first)
+    second = of_the_same(second, first)
     row = channel(cell["channel"])
     with ui.element("div").classes("columns half"):
         with ui.element("div"):
             ui.label(f"Before: the {row}").classes("strong fails")
             plot(before_after(cell, first, None))
         with ui.element("div"):
-            ui.label("After, on the same axes").classes("strong chosen")
+            ui.label("After, on the same axes; grey: before").classes("strong chosen")
             plot(before_after(cell, first, second)).props("data-testid=after")
+
+
+def of_the_same(points: Json, others: Json) -> Json:
+    """Return those points of a cell whose shots and frames others have too.
+
+    Of points that were drawn apart, each fit would leave others, and not as many.
+    """
+    wanted = set(zip(others["shots"], others["frames"], strict=True))
+    pairs = enumerate(zip(points["shots"], points["frames"], strict=True))
+    kept = [index for index, pair in pairs if pair in wanted]
+    return {**points, **{name: [points[name][index] for index in kept] for name in BY_POINT}}
 
 
 NAMES = {
@@ -58,23 +70,34 @@ NAMES = {
 }
 
 
-def law(found: Json) -> None:
-    """Place the numbers of the law that an answer has, with a mark at one beyond its range."""
+def law(found: Json, before: Json | None = None) -> None:
+    """Place the numbers of the law with their errors, with a mark at one beyond its range.
+
+    `before` is the answer without the effect that was added last: what a number was stands below.
+    """
     with ui.element("div").classes("law").props("data-testid=law"):
         for name, (title, meaning) in NAMES.items():
             value = found["parameters"].get(name)
             if value is None or value["value"] is None:
                 continue
             unexpected = is_unexpected(value, EXPECTED[name])
+            said, was = with_error(value), _was(before, name)
             with ui.element("div").classes("unbelieved" if unexpected else "").tooltip(meaning):
                 ui.label(title).classes("note")
-                said = minus(three_figures(value["value"]))
                 ui.label(f"▲ {said}" if unexpected else said).classes("law-value")
+                if was not in {"", said}:
+                    ui.label(f"was {was}").classes("note")
                 if unexpected:
                     low, high = EXPECTED[name]
                     ui.label(
                         minus(f"believed from {low:g} to {high:g}: something missing may hide here")
                     ).classes("note fails")
+
+
+def _was(before: Json | None, name: str) -> str:
+    """Return a number of the law in an earlier answer; empty where there is none."""
+    value = None if before is None else before["parameters"].get(name)
+    return "" if value is None or value["value"] is None else with_error(value)
 
 
 LEAST_SPAN = 1.5

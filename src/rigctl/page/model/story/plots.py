@@ -15,7 +15,8 @@ from rigctl.page.parts.plots import WIDEST_LABEL, figure
 
 HEIGHT = 320
 LEAST_TICKS = 3
-TREAD_LETTERS = 10
+LETTERS = 30
+"""Of the names of all treads of the staircase, beside each other on a telephone."""
 UNITS_OF_LOGARITHMS = {"ln v_n": "m/s", "ln v_s/v_n": ""}
 
 
@@ -96,7 +97,7 @@ def staircase(labels: Sequence[str], errors: Sequence[Unseen], tried: Unseen | N
         shapes=[] if floor is None else [noise],
         xaxis={
             "tickvals": [k + 0.5 for k in range(len(names))],
-            "ticktext": [_in_lines(name) for name in names],
+            "ticktext": [_in_lines(name, LETTERS // max(len(names), 2)) for name in names],
             "tickangle": 0,
             "range": [0, max(len(names), 2)],
             "zeroline": False,
@@ -116,8 +117,8 @@ def before_after(cell: Json, before: Json, after: Json | None) -> Json:
     With it the points without it stand behind, grey.
     """
     if after is None:
-        return _plot([_shots(before, FAILS, 0.6)], cell, before)
-    return _plot([_shots(before, GREY, 0.25), _shots(after, MEASURED, 0.7)], cell, before)
+        return _plot([_shots(before, FAILS, 0.8)], cell, before)
+    return _plot([_shots(before, GREY, 0.5), _shots(after, MEASURED, 0.8)], cell, before)
 
 
 def _plot(traces: list[Json], cell: Json, points: Json, line: Sequence[float] = ()) -> Json:
@@ -196,9 +197,9 @@ def _ticks(cell: Json, left: float, right: float) -> Json:
     return {"tickvals": [math.log(v) for v in shown], "ticktext": [f"{v:g}" for v in shown]}
 
 
-def _in_lines(name: str) -> str:
-    """Return the name of a tread in lines: on a narrow screen three stand beside each other."""
-    return "<br>".join(wrap(name, TREAD_LETTERS, break_long_words=False))
+def _in_lines(name: str, letters: int) -> str:
+    """Return the name of a tread in lines of about so many letters."""
+    return "<br>".join(wrap(name, letters, break_long_words=False))
 
 
 def _shots(points: Json, colour: str, opacity: float) -> Json:

@@ -182,15 +182,16 @@ class Story:
 
     @ui.refreshable_method
     def _compared(self) -> None:
-        found = self._stages[-1]
-        _lede(compared(found, self._stands(self._stages)), "story-compare")
+        stages = self._stages
+        found = stages[-1]
+        _lede(compared(found, self._stands(stages)), "story-compare")
         with ui.element("div").classes("columns compared"):
             self._film.place()
             with ui.element("div").classes("stack"):
                 ui.label("How wrong, for each thing that is measured").classes("strong")
                 error_bars(failing(found)[:BARS], estimated=bool(found.get("estimated")))
                 counted(failing(found))
-                law(found)
+                law(found, stages[-2] if len(stages) > 1 else None)
 
     @ui.refreshable_method
     def _second(self) -> None:
