@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator
 from typing import Any
 
@@ -16,8 +15,11 @@ from tests.browser.wire import Wire
 pytestmark = pytest.mark.long
 
 LONG_MS = 60_000
+AWAY_MS = 6_000
+"""Twice as long as the page library by itself keeps a page without a connection."""
 SILENCE = "nothing on this page is live"
 ORDER = {"pressure_a_kpa": 40.0, "pressure_b_kpa": 40.0, "offset_mm": 6.0}
+DRILL = {"reason": "a drill"}
 BEATS = """() => new Promise(done => {
   let left = 2;
   new MutationObserver(() => --left || done()).observe(
@@ -48,7 +50,7 @@ def far(tab: Page, wire: Wire) -> Iterator[Page]:
         yield tab
 
 
-def test_a_page_that_was_cut_off_for_half_a_minute_goes_on_with_what_was_typed(
+def test_a_page_that_was_cut_off_for_a_while_goes_on_with_what_was_typed(
     far: Page, wire: Wire, rest: httpx.Client
 ) -> None:
     far.get_by_test_id("pressure_a_kpa").fill("47")
@@ -57,7 +59,8 @@ def test_a_page_that_was_cut_off_for_half_a_minute_goes_on_with_what_was_typed(
     expect(far.get_by_test_id("state")).to_have_text("armed")
     wire.cut()
     expect(far.get_by_text(SILENCE)).to_be_visible()
-    until_idle(rest)
+    far.wait_for_timeout(AWAY_MS)
+    stop_and_release(rest)
     wire.mend()
     expect(far.get_by_text(SILENCE)).to_be_hidden(timeout=LONG_MS)
     expect(far.get_by_test_id("state")).to_have_text("idle")
@@ -70,10 +73,10 @@ def test_what_was_on_its_way_when_the_network_broke_is_not_shown_after_what_came
     far: Page, wire: Wire, rest: httpx.Client
 ) -> None:
     wire.hold()
-    rest.post("/rig/estop", json={"reason": "a drill"}).raise_for_status()
+    rest.post("/rig/estop", json=DRILL).raise_for_status()
     expect(far.get_by_text(SILENCE)).to_be_visible()
     wire.cut()
-    rest.post("/rig/release", json={"reason": "a drill"}).raise_for_status()
+    rest.post("/rig/release", json=DRILL).raise_for_status()
     wire.mend()
     expect(far.get_by_text(SILENCE)).to_be_hidden(timeout=LONG_MS)
     far.evaluate(BEATS)
@@ -96,13 +99,11 @@ def test_what_was_pressed_without_a_connection_does_not_move_the_rig_once_it_is_
 
 
 def arm(rest: httpx.Client) -> None:
-    """Arm the rig; the token lives for half a minute."""
+    """Arm the rig."""
     rest.post("/rig/arm", json=ORDER).raise_for_status()
 
 
-def until_idle(rest: httpx.Client) -> None:
-    """Ask the rig until it is idle again."""
-    state = ""
-    while state != "idle":
-        time.sleep(0.2)
-        state = rest.get("/rig").raise_for_status().json()["state"]
+def stop_and_release(rest: httpx.Client) -> None:
+    """Have the rig idle at once: a token lives for half a minute."""
+    for act in ("estop", "release"):
+        rest.post(f"/rig/{act}", json=DRILL).raise_for_status()
