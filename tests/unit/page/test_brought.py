@@ -60,8 +60,16 @@ def test_what_was_measured_is_not_taken_for_what_was_brought(place: Path) -> Non
 def test_an_archive_with_a_description_is_a_campaign_however_deep_it_lies(place: Path) -> None:
     pack(place, **{"steel/campaign.toml": "", "steel/frames/0001.tif": ""})
     found = what_is_in(place)
-    assert found.campaign == place / "unpacked" / "steel"
+    assert found.campaign == place / "unpacked" / "brought" / "steel"
     assert known(place.parents[1], place.name) == found
+
+
+def test_a_campaign_at_the_top_of_its_archive_is_called_what_the_archive_is(place: Path) -> None:
+    with zipfile.ZipFile(place / "nylon-2026.zip", "w") as archive:
+        archive.writestr("campaign.toml", "")
+    assert what_is_in(place).name == "nylon-2026"
+    # Looked at again, when the archive is gone.
+    assert what_is_in(place).name == "nylon-2026"
 
 
 def test_no_file_of_an_archive_lies_outside_of_its_folder(place: Path) -> None:

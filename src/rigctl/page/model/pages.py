@@ -176,7 +176,7 @@ class ModelView:
     def _failed(self) -> None:
         if self._state.failure:
             with ui.element("div").classes("verdict bad").props("data-testid=failure"):
-                ui.label(self._state.failure)
+                ui.label(self._state.source.without_its_folder(self._state.failure))
                 button("Ask again", lambda: self._take(self._state.effects))
 
 

@@ -67,6 +67,10 @@ class Source:
             return None
         return f"{told} This rig adds none to an imported campaign; it fires under another name."
 
+    def without_its_folder(self, text: str) -> str:
+        """Return a text with the names of files in place of where they lie on this computer."""
+        return text if self.folder is None else text.replace(f"{self.folder}/", "")
+
     def seen_as(self, effects: Sequence[str], view: str) -> str:
         """Return where the page of its model stands with these effects, in this view."""
         more = f"effects={quote(','.join(effects))}&view={view}"

@@ -139,7 +139,8 @@ def what_is_in(place: Path) -> Brought:
         It is neither film nor campaign, or the archive is broken, too large or unsafe.
     """
     for archive in place.glob(f"*{ARCHIVE}"):
-        _unpack(archive, place / "unpacked")
+        # A campaign at the top of its archive is called what the archive is.
+        _unpack(archive, place / "unpacked" / archive.stem)
         archive.unlink()
     described = [
         *place.glob(LOOKED_AT[0]),

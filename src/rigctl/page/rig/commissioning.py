@@ -13,6 +13,7 @@ from rigctl.page.parts.tables import Cell, Line, facts_html
 from rigctl.page.parts.widgets import button
 
 PLACE = "/commissioning"
+MARKS = {"holds": "●", "fails": "▲", "waits": "○"}
 
 
 def commissioning_page(desk: Desk) -> None:
@@ -132,11 +133,10 @@ def _why(desk: Desk) -> str:
 def _line(standing: Standing) -> Line:
     step, answer = standing.step, standing.answer
     seen = "" if answer is None else f"seen on {answer.at[:10]} by {', '.join(answer.people)}"
+    look = "holds" if not standing.missing else "fails" if answer is not None else "waits"
     cells = [
-        Cell(step.title, step.see),
+        Cell(f"{MARKS[look]} {step.title}", step.see),
         Cell(str(step.part)),
         Cell(standing.missing or seen, look="wrap"),
     ]
-    if not standing.missing:
-        return Line(cells, "holds")
-    return Line(cells, "fails" if answer is not None else "waits")
+    return Line(cells, look)
