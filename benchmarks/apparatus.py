@@ -7,8 +7,8 @@ the worst), and their median errors; below, the same in the part of these errors
 shot alone, without what all shots share (scale, drag); every refused shot with its reason; and what
 processor time a shot took, the start of the daemon and its workers among it.
 --diameter-mm and --gravity change all of them, offsets in proportion to the diameter: 12.7 and 1.62
-are half an inch on the Moon. --seed draws another world; --keep FOLDER keeps its shots; --each
-prints every shot.
+are half an inch on the Moon. --pictures splits each frame of a recorder into so many. --seed draws
+another world; --keep FOLDER keeps its shots; --each prints every shot.
 Ends 1 if a number is off by more than four of its errors, or no shot of an apparatus was measured.
 """
 
@@ -28,6 +28,7 @@ import numpy as np
 
 from rigctl import logs
 from rigctl.config import Configuration, StoreSection, load
+from rigctl.config.camera import EKTAPRO_ROWS, EktaproCamera
 from rigctl.daemon import Daemon, open_daemon
 from rigctl.errors import RigError
 from rigctl.firing import fire_and_wait
@@ -40,6 +41,8 @@ NAMES = ("e", "v_n", "v_s", "v_s_after", "beta")
 MOST_OFF = 4.0
 WAIT_S = 600.0
 CAMPAIGN = "benchmark"
+AFTER_MARK, COLLECT_S = 100, 60.0
+"""Frames after the mark, of one picture each, and what split ones may take to be played back."""
 
 Json = Mapping[str, Any]
 
@@ -179,6 +182,7 @@ def main() -> int:
     asked.add_argument("--only", choices=APPARATUS)
     asked.add_argument("--diameter-mm", type=float, help="of both spheres (the configuration's)")
     asked.add_argument("--gravity", type=float, help="downwards, m/s^2 (the configuration's)")
+    asked.add_argument("--pictures", type=int, choices=(1, 2, 3, 4, 6), help="of each frame")
     asked.add_argument("--seed", type=int, help="of the simulated world (the configuration's)")
     asked.add_argument("--keep", type=Path, metavar="FOLDER", help="keep the shots there")
     asked.add_argument("--each", action="store_true", help="print every shot")
@@ -225,6 +229,21 @@ def _in_world(usual: Configuration, options: argparse.Namespace) -> Configuratio
         )
     if options.gravity is not None:
         changed["environment"] = replace(usual.environment, gravity_m_per_s2=options.gravity)
+    if options.pictures is not None and isinstance(usual.camera, EktaproCamera):
+        changed["camera"] = usual.camera.model_copy(
+            update={
+                "pictures_per_frame": options.pictures,
+                "rows": EKTAPRO_ROWS // options.pictures,
+                "frames_after_mark": AFTER_MARK * options.pictures,
+                "collect_timeout_s": COLLECT_S,
+            }
+        )
+        # The middle of the full frame, as in the split format's own configuration.
+        rows = EKTAPRO_ROWS // options.pictures
+        origin = rows / 2, usual.camera.columns / 2
+        changed["optics"] = usual.optics.model_copy(
+            update={"front_view_rows": (0, rows), "front_origin_px": origin}
+        )
     if options.seed is not None and usual.simulation is not None:
         changed["simulation"] = usual.simulation.model_copy(update={"seed": options.seed})
     return usual.model_copy(update=changed)

@@ -16,6 +16,7 @@ from analysis.imaging.stated_view import first_row, stated_view
 from analysis.motion.pattern import Orientations
 from analysis.motion.poses import Centres
 from analysis.not_met import what_happened
+from analysis.results.frame_notes import gathered
 from analysis.scene import Scene
 from analysis.setup import NO_SLOW_ERRORS, Setup, SlowErrors
 from analysis.shot_poses import ShotPoses
@@ -37,7 +38,7 @@ FALSE_SPINS = (
 
 
 def measuring_notes(tracking: Tracking, setup: Setup, sides: TwoSides) -> tuple[str, ...]:
-    """Return a sentence on each frame, outline, orientation or spin that did not count."""
+    """Return what did not count: frames, outlines, orientations, spins; a sentence a reason."""
     sure = setup.camera.exposure_s is not None
     why = "exposed" if sure else "perhaps exposed, as no exposure is stated,"
     notes = [f"frame {k} left out: {why} during the contact" for k in sides.between]
@@ -61,7 +62,7 @@ def measuring_notes(tracking: Tracking, setup: Setup, sides: TwoSides) -> tuple[
         notes.append(f"no spins of sphere {sides.false_spins}: {FALSE_SPINS}")
     elif sides.impact.v_s is None:
         notes.append("no surface velocities: too few orientations tell the spins")
-    return tuple(notes)
+    return tuple(gathered(notes))
 
 
 Method = Literal["thesis", "photometric"]

@@ -11,6 +11,7 @@ from analysis.arrays import Floats
 from analysis.errors import ShotRefusedError
 from analysis.motion.poses import Centres
 from analysis.motion.tears import BEYOND, LESS_CERTAIN, OFF, UNCERTAIN, torn
+from analysis.results.frame_notes import gathered
 
 Frames = NDArray[np.intp]
 
@@ -147,15 +148,6 @@ def _left_out(
 
 
 def notes_of(name: str, left_out: Mapping[int, str]) -> tuple[str, ...]:
-    """Return a line for each run of frames of a sphere that are left out for one reason."""
-    runs: list[tuple[int, int, str]] = []
-    for k, reason in sorted(left_out.items()):
-        if runs and runs[-1][1:] == (k - 1, reason):
-            runs[-1] = runs[-1][0], k, reason
-        else:
-            runs.append((k, k, reason))
-    return tuple(
-        (f"frame {first}" if first == last else f"frames {first} to {last}")
-        + f" left out for sphere {name}: {reason}"
-        for first, last, reason in runs
-    )
+    """Return a sentence for each reason for which frames of a sphere are left out."""
+    each = (f"frame {k} left out for sphere {name}: {why}" for k, why in sorted(left_out.items()))
+    return tuple(gathered(tuple(each)))

@@ -39,6 +39,10 @@ LEAST_PLACED = 6
 POOR_COST, LEAST_GAIN, MORE_ROUNDS = 1.6, 0.95, 3
 """Cost of a frame (`film.cost_of`; 1.4 by noise alone) from which a film is learned from on, the
 share of it that a round must leave at most for another, and the most rounds."""
+COARSE = 2.0
+"""`Appearance.coarseness` from which all these rounds are made."""
+LONE_SCALE_SIGMA = 5e-4
+"""Of the scale, for each unit of coarseness beyond 1, where one film alone taught."""
 SMEARED_ROUNDS = 3
 """Of learning once more from frames whose smear is taken out."""
 LEAST_SHARE_OF_FILM = 0.88
@@ -78,25 +82,28 @@ def learned_film(frames: Grey, times_s: Floats, setup: Setup) -> tuple[Film, App
     refuse_faint(known)
     settle_film(film, known, LAST_LIMIT)
     known = _converged(film, known, hold_scale=hold)
+    if not hold:
+        lone = LONE_SCALE_SIGMA * (known.coarseness - 1.0)
+        known = replace(known, scale_sigma=float(np.hypot(known.scale_sigma, lone)))
     _finish(film, known)
     return film, known
 
 
 def _converged(film: Film, known: Appearance, *, hold_scale: bool) -> Appearance:
-    """Learn on from a film that is poorly explained, as long as that helps.
+    """Learn on from a film that is poorly explained, as long as that helps, and from small spheres.
 
     Markers of few pixels part from the shading slowly; the next shots would be followed by half of
-    what this one shows.
+    what this one shows. And the scale creeps toward the true one.
     """
-    cost = _typical_cost(film)
+    cost, coarse = _typical_cost(film), known.coarseness > COARSE
     for _ in range(MORE_ROUNDS):
-        if cost < POOR_COST:
+        if cost < POOR_COST and not coarse:
             break
         known, before = learn_together([film], known, hold_scale=hold_scale), cost
         film.refresh(known)
         settle_film(film, known, LAST_LIMIT)
         cost = _typical_cost(film)
-        if cost > LEAST_GAIN * before:
+        if cost > LEAST_GAIN * before and not coarse:
             break
     return known
 

@@ -196,11 +196,10 @@ def orientations_of(
     widest = np.sqrt(np.linalg.eigvalsh(covariance)[:, -1])
     kept = widest < MOST_TURN_RAD
     frames = placed[kept]
-    left_out = {
-        int(k): f"its markers leave a turn of {np.degrees(w):.0f} degrees open, "
-        f"{np.degrees(MOST_TURN_RAD):.0f} are allowed"
-        for k, w in zip(placed[~kept], widest[~kept], strict=True)
-    }
+    open_turn = (
+        f"its markers leave a turn of more than {np.degrees(MOST_TURN_RAD):.0f} degrees open"
+    )
+    left_out = dict.fromkeys(placed[~kept].tolist(), open_turn)
     return Orientations(
         frames=frames,
         rotation=film.rotation[sphere, frames].copy(),

@@ -51,7 +51,12 @@ STEADY = 1e-9
 def sized(films: Sequence[Film], known: Appearance) -> Appearance:
     """Return an appearance with the slow error that films measured with it show."""
     seen = [own for film in films if (own := _film_evidence(film, known)) is not None]
-    return replace(known, slow_px=slow_size_px(seen), shared_px=shared_size_px(len(films)))
+    coarse = (1.0 + known.coarseness) / 2
+    return replace(
+        known,
+        slow_px=slow_size_px(seen, coarse * PRIOR_SLOW_PX),
+        shared_px=coarse * shared_size_px(len(films)),
+    )
 
 
 def shared_size_px(films: int) -> float:
@@ -59,9 +64,9 @@ def shared_size_px(films: int) -> float:
     return max(SHARED_PX, LONE_SHARED_PX / max(films, 1))
 
 
-def slow_size_px(films: Sequence[Evidence]) -> float:
+def slow_size_px(films: Sequence[Evidence], prior_px: float = PRIOR_SLOW_PX) -> float:
     """Return how large the slow error of an outline's place is, px, from evidence in 1/px^2."""
-    return slow_size(films, PRIOR_SLOW_PX)
+    return slow_size(films, prior_px)
 
 
 def _film_evidence(film: Film, known: Appearance) -> Evidence | None:

@@ -23,6 +23,8 @@ their number."""
 PRIOR_SLOW_PX = 0.0016
 """Of outlines in one flight, before any scatter is known: renderers that share nothing leave 0.001
 and 0.003 (docs/decisions/0035-slow-errors-by-campaign.md)."""
+FINE_BLUR = 0.0425
+"""Blur over radius of the spheres for which the sizes above were found: 0.85 px of 20 px."""
 NARROWEST_PX = 0.35
 """Standard deviation of a blur at least: a pixel's own is 0.29."""
 
@@ -92,6 +94,18 @@ class Appearance:
     slow_px: float
     shared_px: float
     smear_px2: Floats
+
+    @property
+    def coarseness(self) -> float:
+        """Factor on the scale's error by markers, against spheres of 20 px radius, at least 1.
+
+        The model lays markers over shading that the blur has already spread, to first order: what
+        is left grows with the square of the blur over the radius. Of places about half does
+        (docs/decisions/0059-spheres-of-few-pixels.md).
+        """
+        scale = float(self.camera.optics.scales[0])
+        radius_px = scale * min(sphere.radius_m for sphere in self.spheres)
+        return max(1.0, (float(self.sigma_px.max()) / radius_px / FINE_BLUR) ** 2)
 
     def smeared(self) -> Appearance:
         """Return the pair as a round blur shows it, the mean smear in it."""

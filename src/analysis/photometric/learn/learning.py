@@ -58,7 +58,8 @@ LIMB_SCALE_SIGMA, MARKER_SCALE_SIGMA = 5e-3, 2e-4
 """Relative accuracy of the scale, by the limb and by the markers, for spheres of known diameter.
 
 Light from one side passes for another radius at the limb. Markers move across the disc and are seen
-in both views at once, which gives the radius without the limb.
+in both views at once, which gives the radius without the limb; by small spheres less exactly
+(`Appearance.coarseness`).
 """
 NEARNESS_SCALE_SIGMA = 3e-4
 """Beside it, where a camera is so near that perspective shows: its axis is taken for the middle of
@@ -282,7 +283,8 @@ def with_shared(
     # Light at the limb, as of a lamp beside or gloss, biases the markers' estimate too.
     limb = float(np.mean([step.limb for step in steps]))
     near = 0.0 if far else NEARNESS_SCALE_SIGMA
-    scale_sigma = float(np.linalg.norm([MARKER_SCALE_SIGMA, near, sigma[0], limb]))
+    by_markers = known.coarseness * MARKER_SCALE_SIGMA
+    scale_sigma = float(np.linalg.norm([by_markers, near, sigma[0], limb]))
     radius_px = float(scales[0]) * (a.radius_m + b.radius_m) / 2
     apart_px = radius_px * float(np.sqrt(np.mean([step.limb**2 for step in steps])))
     return replace(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from nicegui import run, ui
 
+from analysis.results.frame_notes import gathered
 from rigctl.measuring.reanalysing import ENDED
 from rigctl.page.desk import Desk, actor
 from rigctl.page.layout import TICK_S, sheet
@@ -14,7 +15,6 @@ from rigctl.page.parts.remarks import Remarks
 from rigctl.page.parts.tables import Cell, Line, facts
 from rigctl.page.parts.widgets import button
 from rigctl.page.rig.order_form import words
-from rigctl.page.shots.left_out import gathered
 from rigctl.page.shots.residuals import ShotResiduals
 from rigctl.page.shots.table import ShotTable, latest, stored
 from rigctl.page.shots.view import coefficients, film, read

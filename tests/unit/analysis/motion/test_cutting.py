@@ -116,7 +116,6 @@ def test_spheres_that_never_come_near_are_left_to_others(pair):
 def test_frames_in_a_row_share_a_line():
     lines = notes_of("a", {4: "dark", 5: "dark", 7: "dark", 8: "torn"})
     assert lines == (
-        "frames 4 to 5 left out for sphere a: dark",
-        "frame 7 left out for sphere a: dark",
+        "frames 4–5, 7 left out for sphere a: dark",
         "frame 8 left out for sphere a: torn",
     )

@@ -217,13 +217,11 @@ def test_other_spheres_are_not_taken_for_those_that_were_learned(film: Filmed) -
     assert honest(measured(film, other.frames), other)
 
 
-@pytest.mark.parametrize("diameter_px", [12, pytest.param(120, marks=pytest.mark.long)])
-@pytest.mark.parametrize("stated", [True, False], ids=["scale stated", "scale unknown"])
-def test_small_and_large_spheres_are_measured_or_refused(diameter_px: int, stated: bool) -> None:
-    times = diameter_px / 40.0
+def magnified(times: float) -> Optics:
+    """Return optics whose frames, and the spheres in them, are so many times larger."""
     row, column = OPTICS.front_origin_px
     top, boundary = OPTICS.top_origin_px[0], OPTICS.front_rows[0]
-    optics = replace(
+    return replace(
         OPTICS,
         rows=round(OPTICS.rows * times),
         columns=round(OPTICS.columns * times),
@@ -233,6 +231,28 @@ def test_small_and_large_spheres_are_measured_or_refused(diameter_px: int, state
         front_rows=(round(boundary * times), round(OPTICS.rows * times)),
         top_rows=(0, round(boundary * times)),
     )
+
+
+@pytest.mark.long
+def test_the_scale_of_spheres_of_ten_pixels_radius_is_as_uncertain_as_stated() -> None:
+    world = WorldDescription(optics=magnified(0.5))
+    setup = setup_of(world)
+    setup = replace(setup, camera=replace(setup.camera, scale_px_per_m=None))
+    off = []
+    for seed in range(8):
+        film = render_shot(world, Launch(30.0 + 4 * seed, 30.0 + 4 * seed, 0.006), seed)
+        known = teach([(film.frames, film.times_s, setup)])
+        assert known is not None
+        true = world.optics.scale_px_per_m
+        off.append((known.camera.optics.scales[0] / true - 1.0) / known.scale_sigma)
+    assert 0.4 < np.sqrt(np.mean(np.square(off))) < 1.5
+    assert np.abs(off).max() < 3.5
+
+
+@pytest.mark.parametrize("diameter_px", [12, pytest.param(120, marks=pytest.mark.long)])
+@pytest.mark.parametrize("stated", [True, False], ids=["scale stated", "scale unknown"])
+def test_small_and_large_spheres_are_measured_or_refused(diameter_px: int, stated: bool) -> None:
+    optics = magnified(diameter_px / 40.0)
     world = WorldDescription(optics=optics)
     rendered = render_shot(world, LAUNCH, SEED, frames=10)
     setup = setup_of(world)

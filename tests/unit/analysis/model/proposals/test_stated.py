@@ -19,7 +19,6 @@ from analysis.model.proposals.forms.flight import flight_forms
 from analysis.model.proposals.forms.form import SLOTS, ContactForm
 from analysis.model.proposals.forms.frame import frame_forms
 from analysis.model.proposals.forms.shapes import LINEAR, POWER, spread_of
-from analysis.model.proposals.ranges import ranges
 from analysis.model.proposals.screen import shapes_of
 from analysis.model.proposals.stated import (
     Origin,
@@ -27,6 +26,7 @@ from analysis.model.proposals.stated import (
     numbers_among,
     read_statement,
 )
+from analysis.results.frame_notes import ranges
 from tests.unit.analysis.model.proposals.hidden import campaign, proposed
 from tests.unit.analysis.model.proposals.test_launch_search import warm, with_warm_pushers
 

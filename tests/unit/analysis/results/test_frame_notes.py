@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rigctl.page.shots.left_out import gathered
+from analysis.results.frame_notes import gathered
 
 DIM = "no orientation of sphere a: only 2 markers in common with the frames before, 3 are needed"
 

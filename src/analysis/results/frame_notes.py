@@ -5,8 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from analysis.model.proposals.ranges import ranges
-
 OF_A_FRAME = re.compile(r"frame (\d+) (has|shows|left out)(?= |:)(.+)")
 OF_SEVERAL = {"has": "have", "shows": "show"}
 
@@ -34,3 +32,14 @@ def _said(verb: str, rest: str, frames: Sequence[int]) -> str:
         return f"frame {frames[0]} {verb}{rest}"
     numbers = ranges(frames).replace("-", "–").replace(",", ", ")
     return f"frames {numbers} {OF_SEVERAL.get(verb, verb)}{rest}"
+
+
+def ranges(numbers: Sequence[int]) -> str:
+    """Return whole numbers in short, `1-120,122`."""
+    parts: list[list[int]] = []
+    for number in sorted(numbers):
+        if parts and number == parts[-1][1] + 1:
+            parts[-1][1] = number
+        else:
+            parts.append([number, number])
+    return ",".join(str(a) if a == b else f"{a}-{b}" for a, b in parts)
