@@ -55,7 +55,7 @@ def test_whoever_has_compared_is_through_wherever_the_shots_came_from() -> None:
         (RigState.ARMED, None, "now press Fire"),
         (RigState.CAPTURING, ShotState.CAPTURING, "the spheres fly"),
         (RigState.IDLE, ShotState.ANALYSING, "Its pictures are measured now"),
-        (RigState.IDLE, ShotState.REFUSED, "press Arm, then Fire"),
+        (RigState.IDLE, ShotState.REFUSED, "what helps, stands with its film"),
     ],
 )
 def test_the_guide_says_what_is_done_with_the_first_shot_just_now(

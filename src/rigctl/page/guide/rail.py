@@ -95,6 +95,10 @@ NOW = {
     RigState.CAPTURING: "Fired: the spheres fly and the camera films them.",
 }
 MEASURED_NOW = "The film is there. Its pictures are measured now: the numbers come by themselves."
+REFUSED_NOW = (
+    "The shot was not measured. Why, and what helps, stands with its film: set that, then press "
+    "Arm and Fire again."
+)
 
 
 def first_words(status: RigStatus) -> str:
@@ -103,6 +107,8 @@ def first_words(status: RigStatus) -> str:
         return NOW[status.state]
     if status.last_shot is not None and status.last_shot.state in MEASURES:
         return MEASURED_NOW
+    if status.last_shot is not None and status.last_shot.state is ShotState.REFUSED:
+        return REFUSED_NOW
     return "Good values are filled in: press Arm, then Fire. Nothing moves before you arm."
 
 

@@ -10,6 +10,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from rigctl.config import Limits
 from rigctl.page.parts.quantities import SETTINGS, Quantity
+from rigctl.page.parts.tables import minus
 from rigctl.plain_text import CampaignName
 from rigctl.settings import ShotSettings
 
@@ -49,7 +50,7 @@ class NumberField:
         with ui.element("div").classes("field"):
             with ui.element("div").classes("caption"):
                 ui.label(about.name).tooltip(about.meaning)
-                ui.label(f"{about.unit}, {low:g} to {high:g}".lstrip(", "))
+                ui.label(minus(f"{about.unit}, {low:g} to {high:g}".lstrip(", ")))
             with ui.element("div").classes("slid" if step else "wide"):
                 if step is not None:
                     self._slider = _slider(about, bounds, value, step, name)
