@@ -19,9 +19,10 @@ MOST_OFF, AGREES = 3.0, 1.0
 """Of what errors allow: spins off by more contradict the impulse that velocities show, where the
 other sphere's agree with it. A law of contact that the balance lacks, as a moment of its own, would
 bring both off alike."""
-MOST_APART, LESS_SURE = 0.8, 2.0
+MOST_APART, LESS_SURE, MORE_OFF = 0.8, 2.0, 3.0
 """Of what errors and moments allow: spins of a and b whose changes differ by more contradict each
-other (right ones do by 0.3 at most), and wrong are those of so many times the other's error."""
+other (right ones do by 0.3 at most). Wrong are those of so many times the other's error, or those
+that are so many times as far off the impulse that velocities show."""
 NORMAL_TURNS = 0.01
 """Share of the impulse that the normal turns by during a contact of unknown length, at least."""
 
@@ -30,16 +31,21 @@ def contradicted(impact: Impact, bodies: tuple[Body, Body], *, depth_seen: bool)
     """Return the sphere, 0 for a and 1 for b, whose spins are wrong; None where none are.
 
     They contradict the impulse that velocities show, with which the other sphere's agree; or both
-    contradict each other, and its are by far the less sure ones.
+    contradict each other, and its are by far the less sure ones, or further off velocities.
     """
     off = spins_off(impact, bodies, depth_seen=depth_seen)
     worst = int(np.nan_to_num(off).argmax())
     if off[worst] > MOST_OFF and off[1 - worst] < AGREES:
         return worst
+    # Not a number where a spin is not measured: then there is no comparison.
+    if not spins_apart(impact, bodies) > MOST_APART:
+        return None
     errors = np.linalg.norm(impact.state_sigma[:, 2:], axis=(0, 2))
-    worst = int(np.nan_to_num(errors).argmax())
-    unsure = errors[worst] > LESS_SURE * errors[1 - worst]
-    return worst if unsure and spins_apart(impact, bodies) > MOST_APART else None
+    for measure, ratio in ((errors, LESS_SURE), (off, MORE_OFF)):
+        worst = int(measure.argmax())
+        if measure[worst] > ratio * measure[1 - worst]:
+            return worst
+    return None
 
 
 def spins_apart(impact: Impact, bodies: tuple[Body, Body]) -> float:

@@ -22,7 +22,9 @@ SURE, LESS_SURE = 0.1, 0.25
 Floats = NDArray[np.float64]
 
 
-def seen(torsion: float, wrong: Floats | None = None) -> Impact:
+def seen(
+    torsion: float, wrong: Floats | None = None, sigmas: tuple[float, float] = (SURE, LESS_SURE)
+) -> Impact:
     """Return an impact in one view whose spins obey their impulse.
 
     `torsion` is what a moment about the normal changes either spin by, rad/s, and `wrong` what is
@@ -38,7 +40,7 @@ def seen(torsion: float, wrong: Floats | None = None) -> Impact:
     if wrong is not None:
         spin_after[1] += wrong
     motions = []
-    for i, sigma in enumerate((SURE, LESS_SURE)):
+    for i, sigma in enumerate(sigmas):
         place = (2 * i - 1) * R * NORMAL
         unsure = np.diag([1e-6] * 2 + [0.0] + [1e-3] * 2 + [0.0]) ** 2
         paths = [
@@ -71,6 +73,12 @@ def test_a_sphere_that_is_seen_in_a_wrong_turn_across_the_normal_is_found(torsio
 def test_a_spin_that_velocities_contradict_is_found() -> None:
     about_z = np.array([0.0, 0.0, 60.0])
     assert contradicted(seen(0.0, about_z), (BALL, BALL), depth_seen=False) == 1
+
+
+def test_of_two_spins_as_sure_as_each_other_the_one_that_velocities_contradict_is_wrong() -> None:
+    wrong = np.array([0.0, 0.0, 20.0])
+    alike = seen(0.0, wrong, (LESS_SURE, LESS_SURE))
+    assert contradicted(alike, (BALL, BALL), depth_seen=False) == 1
 
 
 def test_a_plate_has_no_spin_to_compare_with() -> None:
