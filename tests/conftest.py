@@ -1,10 +1,15 @@
-"""What all tests share: one thread of linear algebra, no deadlines, new catalogues by replay."""
+"""What all tests share: one thread of linear algebra, no deadlines, new catalogues by replay.
+
+Their folders lie in memory where there is room for it.
+"""
 
 from __future__ import annotations
 
 import gc
 import os
+import shutil
 import sys
+import tempfile
 
 import pytest
 
@@ -17,6 +22,17 @@ from hypothesis import settings
 from tests.replayed import replayed_migrations
 
 __all__ = ["replayed_migrations"]
+
+MEMORY, ROOM_BYTES = "/dev/shm", 8 << 30
+# Thousands of stores force what they write to disk, and wait for it half of their time. A whole run
+# of all tests keeps less than a gigabyte there.
+if (
+    "TMPDIR" not in os.environ
+    and os.access(MEMORY, os.W_OK)
+    and shutil.disk_usage(MEMORY).free > ROOM_BYTES
+):
+    os.environ["TMPDIR"] = MEMORY
+    tempfile.tempdir = None
 
 # An example that compiles a function takes seconds, once; each test has a time-out of its own.
 settings.register_profile("compiling", deadline=None)

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from sqlalchemy import Connection
+from sqlalchemy import Connection, event
 
 from rigctl.store.sql import migrations
 from rigctl.store.sql.database import Database
@@ -33,17 +33,39 @@ def written_by_migrations(path: Path) -> list[str]:
     return [*statements, mark, f"PRAGMA user_version = {version}"]
 
 
+def written_on_a_server(connection: Connection, to: int) -> str:
+    """Go through the migrations on an empty schema; return all statements that changed it."""
+    statements: list[str] = []
+
+    def note(_on: object, _cursor: object, statement: str, values: object, *_more: object) -> None:
+        if not statement.lstrip().upper().startswith("SELECT"):
+            assert not values, statement
+            statements.append(statement)
+
+    event.listen(connection, "before_cursor_execute", note)
+    try:
+        upgrade(connection, 0, to)
+    finally:
+        event.remove(connection, "before_cursor_execute", note)
+    return ";\n".join(statements)
+
+
 @pytest.fixture(scope="session", autouse=True)
 def replayed_migrations(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Let this process make new SQLite catalogues by replay."""
+    """Let this process make new catalogues by replay."""
     statements = written_by_migrations(tmp_path_factory.mktemp("migrated") / "catalogue.sqlite")
+    on_a_server: list[str] = []
 
     def replay(connection: Connection, version: int, to: int) -> None:
-        if version != 0 or connection.dialect.name != "sqlite":
+        if version != 0 or connection.dialect.name not in {"sqlite", "postgresql"}:
             upgrade(connection, version, to)
-            return
-        for statement in statements:
-            connection.exec_driver_sql(statement)
+        elif connection.dialect.name == "sqlite":
+            for statement in statements:
+                connection.exec_driver_sql(statement)
+        elif on_a_server:
+            connection.exec_driver_sql(on_a_server[0])
+        else:
+            on_a_server.append(written_on_a_server(connection, to))
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(migrations, "upgrade", replay)

@@ -30,7 +30,7 @@ def test_a_power_cut_shorter_than_a_millisecond_disarms(box: Box) -> None:
     assert box.outputs() == []
 
 
-@pytest.mark.parametrize("period_ms", [100, 600, 10_000])
+@pytest.mark.parametrize("period_ms", [100, 600, pytest.param(10_000, marks=pytest.mark.long)])
 def test_a_late_watch_opens_its_contact_within_ten_milliseconds(box: Box, period_ms: int) -> None:
     began = box.chip.cycle
     box.ask(f"WATCH {period_ms}")

@@ -11,11 +11,10 @@ LATCHED = re.compile(r"the rig is latched \((\w+)\) since ([-0-9]{10} [:0-9]{8})
 
 
 def said_at_the_start(rig: RealRig) -> str:
-    """Start a daemon and return what it has written since."""
+    """Start a daemon and return what it writes until it is there."""
     log = rig.folder / "serve.log"
     before = len(log.read_text()) if log.exists() else 0
     rig.start()
-    rig.end()
     return log.read_text()[before:]
 
 
@@ -26,6 +25,7 @@ def test_a_trigger_on_the_port_of_a_relay_board_is_named_and_the_latch_outlasts_
         wrong, right = (str(tmp_path / "laboratory" / role) for role in ("solenoids", "trigger"))
         rig.edit(f'port = "{right}"', f'port = "{wrong}"')
         first = said_at_the_start(rig)
+        rig.end()
         missing = next(line for line in first.splitlines() if "without one of its devices" in line)
         for word in ("trigger (trigger-box)", "no answer to 'SAFE", f"may be on {wrong}", "check"):
             assert word in missing
@@ -39,7 +39,6 @@ def test_a_trigger_on_the_port_of_a_relay_board_is_named_and_the_latch_outlasts_
         assert state == "fault"
         assert "trigger (trigger-box)" in why
         assert "rigctl release --config rig.toml" in again
-        rig.start()
         released = rig.command("release", "the port was another device's")
         assert (released.returncode, "idle" in released.stdout) == (0, True), released.stderr
         rig.end()

@@ -79,7 +79,7 @@ def test_errors_of_outlines_alone_are_those_of_one_sphere_against_the_other(tmp_
     assert 0.6 < np.sqrt(np.mean(np.square(pulls))) < 1.7
 
 
-@pytest.mark.parametrize("markers", [0, 12])
+@pytest.mark.parametrize("markers", [0, pytest.param(12, marks=pytest.mark.long)])
 def test_both_beads_are_measured_in_every_shot(markers: int, tmp_path: Path) -> None:
     bead, folder = replace(BEAD, markers=markers), tmp_path / "beads"
     world = replace(WORLD, sphere_a=bead, sphere_b=bead)

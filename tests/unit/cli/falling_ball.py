@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -24,11 +25,13 @@ DIAMETER_MM = 2 * RADIUS / FALL * 9806.65
 SIZE = ("--ball-diameter-mm", f"{DIAMETER_MM:.3f}", "--exposure-us", "0")
 
 
+@lru_cache(maxsize=2000)
 def picture(row: float, column: float = 60.0) -> Drawn:
     """Draw the ball as a lens and a sensor do: blurred first, and then summed over each pixel.
 
     A disc that is blurred on the grid of pixels has a rim that moves with its place between them,
-    by 0.005 px where each pixel is drawn with four by four.
+    by 0.005 px where each pixel is drawn with four by four. Many films show the same bounces: what
+    was drawn is kept.
     """
     grey = np.full(SHAPE, GROUND)
     (top, bottom), (left, right) = (
@@ -43,7 +46,9 @@ def picture(row: float, column: float = 60.0) -> Drawn:
     parts = within.reshape(max(bottom - top, 0), FINE, max(right - left, 0), FINE)
     grey[top:bottom, left:right] += (BALL - GROUND) * parts.mean(axis=(1, 3))
     noise = np.random.default_rng(int(1e3 * abs(row))).normal(0.0, 1.5, SHAPE)
-    return np.asarray(np.clip(np.rint(grey + noise), 0, 255), np.uint8)
+    drawn = np.asarray(np.clip(np.rint(grey + noise), 0, 255), np.uint8)
+    drawn.flags.writeable = False
+    return drawn
 
 
 def write(folder: Path, rows: list[float], columns: list[float] | None = None) -> Path:

@@ -52,7 +52,7 @@ def test_a_film_without_any_folder_gives_e_of_every_bounce(
     assert shot["ball"]["diameter_px"]["value"] == pytest.approx(2 * RADIUS, rel=0.02)
 
 
-@pytest.mark.parametrize("share", [0.5, 1.15, 2.0])
+@pytest.mark.parametrize("share", [0.5, pytest.param(1.15, marks=pytest.mark.long), 2.0])
 def test_a_diameter_that_is_wrong_is_contradicted_by_the_fall(
     share: float, film: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -210,7 +210,7 @@ def test_flights_become_poses_that_the_model_reads(film: Path, tmp_path: Path) -
     ("name", "bounces", "within"),
     [
         pytest.param("bench1000", 1, 0.002, marks=pytest.mark.long),
-        ("high240", 2, 0.005),
+        pytest.param("high240", 2, 0.005, marks=pytest.mark.long),
         pytest.param("phone60", 5, 0.02, marks=pytest.mark.long),
     ],
 )

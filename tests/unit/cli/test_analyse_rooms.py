@@ -49,7 +49,7 @@ def test_a_shadow_at_the_plate_is_no_hand(
 ) -> None:
     rows = bouncing(180)
     lowest = [k for k in range(1, len(rows) - 1) if rows[k - 1] < rows[k] > rows[k + 1]]
-    shown = [picture(row) for row in rows[: lowest[1] + 1]]
+    shown = [picture(row).copy() for row in rows[: lowest[1] + 1]]
     for k in range(len(shown) - 4, len(shown)):
         dark = shown[k][205:, 40:80]
         dark[:] = dark // 3

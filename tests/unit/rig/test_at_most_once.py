@@ -6,6 +6,7 @@ import tempfile
 from contextlib import suppress
 from pathlib import Path
 
+import pytest
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
@@ -129,5 +130,15 @@ class OperatorsOfOneRig(RuleBasedStateMachine):
 
 TestOperatorsOfOneRig = OperatorsOfOneRig.TestCase
 TestOperatorsOfOneRig.settings = settings(
-    max_examples=40, stateful_step_count=20, deadline=None, derandomize=True
+    max_examples=15, stateful_step_count=20, deadline=None, derandomize=True
+)
+
+
+class OperatorsForLong(OperatorsOfOneRig):
+    """The same people on many more days."""
+
+
+TestOperatorsForLong = pytest.mark.long(OperatorsForLong.TestCase)
+TestOperatorsForLong.settings = settings(
+    max_examples=80, stateful_step_count=20, deadline=None, derandomize=True
 )

@@ -49,7 +49,15 @@ SOFT = Forces(duration_s=4e-4, stiffness_ratio=0.25, damping_ratio=0.08)
 FASTER_IS_BOUNCIER = Forces(push="hertz-dashpot", stiffness_ratio=0.5, damping_ratio=0.05)
 
 
-@pytest.mark.parametrize("forces", [INCREMENTS, LINEAR, SOFT, FASTER_IS_BOUNCIER])
+@pytest.mark.parametrize(
+    "forces",
+    [
+        INCREMENTS,
+        pytest.param(LINEAR, marks=pytest.mark.long),
+        SOFT,
+        pytest.param(FASTER_IS_BOUNCIER, marks=pytest.mark.long),
+    ],
+)
 def test_a_fit_with_the_lasting_contact_reaches_the_noise(forces: Forces) -> None:
     found = fitted(forces)
     spread = np.sqrt(2 / found.fit.freedom)
@@ -57,7 +65,9 @@ def test_a_fit_with_the_lasting_contact_reaches_the_noise(forces: Forces) -> Non
     assert found.evidence.noise == AS_STATED
 
 
-@pytest.mark.parametrize("forces", [INCREMENTS, SOFT, FASTER_IS_BOUNCIER])
+@pytest.mark.parametrize(
+    "forces", [INCREMENTS, SOFT, pytest.param(FASTER_IS_BOUNCIER, marks=pytest.mark.long)]
+)
 def test_its_parameters_are_those_of_the_simulated_contact(forces: Forces) -> None:
     found = fitted(forces).fit.parameters()
     truth = {

@@ -23,9 +23,14 @@ STRONG = {
     "friction-temperature": 0.02,
 }
 """Twelve standard errors and more of what 60 shots see."""
+QUICK = ("restitution-bump", "restitution-warm-and-fast", "friction-temperature")
+"""One of each kind: a shape, a product, and another coefficient."""
 
 
-@pytest.mark.parametrize("name", STRONG)
+@pytest.mark.parametrize(
+    "name",
+    [name if name in QUICK else pytest.param(name, marks=pytest.mark.long) for name in STRONG],
+)
 def test_a_hidden_law_is_proposed_with_its_slot_and_argument(name: str) -> None:
     _, found = proposed(name, STRONG[name])
     first, law = found.accepted[0], LAWS[name]
@@ -51,14 +56,17 @@ def test_the_constants_of_a_bump_are_found_within_their_errors() -> None:
     assert centre.unit == width.unit == "m/s"
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize(
+    "seed", [0, 1, *(pytest.param(seed, marks=pytest.mark.long) for seed in (2, 3))]
+)
 def test_nothing_is_proposed_where_nothing_is_missing(seed: int) -> None:
     _, found = proposed(None, seed=seed)
     assert found.accepted == ()
 
 
 @pytest.mark.parametrize(
-    ("name", "amplitude"), [("image-scale", 0.005), ("restitution-drift", 0.03)]
+    ("name", "amplitude"),
+    [pytest.param("image-scale", 0.005, marks=pytest.mark.long), ("restitution-drift", 0.03)],
 )
 def test_what_the_catalogue_holds_is_named_and_not_proposed(name: str, amplitude: float) -> None:
     _, found = proposed(name, amplitude)
@@ -77,6 +85,7 @@ def test_a_force_between_the_spheres_is_found_in_flight_with_its_exponent() -> N
         assert abs(power.value - 4.0) < 4 * power.sigma
 
 
+@pytest.mark.long
 def test_a_force_that_pushes_apart_is_found_too() -> None:
     _, found = proposed("attraction-power", -10.0)
     assert found.accepted[0].form.group == ("flight", "distance")
