@@ -15,8 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rigctl.documents import Json
-from rigctl.measuring.analysing import Analyser
-from rigctl.measuring.analysis_process import AnalysisFailedError
+from rigctl.measuring.analysing import Analyser, AnalysisFailedError
 from rigctl.progress import Progress
 from rigctl.store import ShotRecord, Store
 from rigctl.store.states import ShotState

@@ -26,7 +26,7 @@ from analysis.photometric.learn.appearance import Appearance, Sphere
 from analysis.photometric.learn.record import read_knowledge, write_knowledge
 from analysis.photometric.render.camera import camera_of
 from rigctl import challenge
-from rigctl.cameras import stack_file
+from rigctl.cameras import capture_folder
 from rigctl.cli.frames import discs
 from rigctl.config.loading import default_path, load
 from rigctl.exchange.contents import read_contents
@@ -191,7 +191,7 @@ def _documents(room: Path) -> list[Sample]:
     stack = ("s.tiff", _tiff(room, metadata=None))
 
     def noted(path: Path) -> object:
-        return stack_file.read_stack(path, picture_rate_hz=1000.0)
+        return capture_folder.read_stack(path, picture_rate_hz=1000.0)
 
     return [
         _json("times beside frames", "f.json", times, _named("f.npy", read_stack), _npy_beside()),

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from analysis.model.proposals.admissible import admitted
 from analysis.model.proposals.channels import Channels
 from analysis.model.proposals.forms.form import ContactForm
-from analysis.model.proposals.products import alone
 from analysis.model.proposals.refine import PENALTY
+from analysis.model.proposals.rivals import alone
 from analysis.model.proposals.screen import columns_of, contact_forms
 
 Floats = NDArray[np.float64]

@@ -19,7 +19,7 @@ from analysis.model.fitting.fit import fit_campaign
 from analysis.model.proposals.arguments import known_arguments
 from analysis.model.proposals.channels import Channels, channels_of
 from analysis.model.proposals.forms.form import ContactForm
-from analysis.model.proposals.products import alone
+from analysis.model.proposals.rivals import alone
 from benchmarks.discovery.campaigns import SILENCE, STATED, posed
 from benchmarks.proposals.likelihood import found_by_likelihood
 from simulators.challenge.campaign import Noise, run_campaign

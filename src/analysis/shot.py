@@ -15,7 +15,7 @@ from analysis.imaging.edge.frame import EdgeSettings
 from analysis.imaging.stated_view import first_row, stated_view
 from analysis.motion.pattern import Orientations
 from analysis.motion.poses import Centres
-from analysis.not_met import what_happened
+from analysis.refusals import what_happened
 from analysis.results.frame_notes import gathered
 from analysis.scene import Scene
 from analysis.setup import NO_SLOW_ERRORS, Setup, SlowErrors

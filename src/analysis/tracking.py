@@ -22,14 +22,13 @@ from analysis.imaging.edge.frame import (
 from analysis.imaging.film_discs import FilmDiscs
 from analysis.imaging.film_following import FilmCurves
 from analysis.imaging.flight_hypotheses import Falling
-from analysis.imaging.radii import FilterBias, filter_bias, view_radii
-from analysis.imaging.refinement import Appearance, refine_outlines
+from analysis.imaging.radii import Appearance, FilterBias, filter_bias, refine_outlines, view_radii
 from analysis.imaging.stated_view import lowered, lowered_markers
 from analysis.imaging.tracks import Spheres
 from analysis.imaging.views import View, view_geometries
-from analysis.motion.chained import orient_by_steps
 from analysis.motion.pattern import Orientations, orient
 from analysis.motion.poses import LEAST_SIGMA_PX, Centres, centres
+from analysis.motion.proximal import orient_by_steps
 from analysis.motion.sightings import (
     Radii,
     SeenMarkers,

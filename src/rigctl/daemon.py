@@ -20,8 +20,7 @@ from rigctl.devices.roles import Actuators, FirmwareQuery, HeartbeatWatch
 from rigctl.errors import DeviceError
 from rigctl.jobs import Jobs
 from rigctl.laboratory import Laboratory, open_laboratory
-from rigctl.measuring.analysing import Analyser, Awaited
-from rigctl.measuring.analysis_process import Compiling
+from rigctl.measuring.analysing import Analyser, Awaited, Compiling
 from rigctl.model.own_effects import OwnEffects
 from rigctl.opening import own_store
 from rigctl.rig.machine import Rig

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rigctl.cameras.resampling import Crop, ResampledVideo
+from rigctl.cameras.playback import Crop, ResampledVideo
 from rigctl.cameras.v4l2 import VideoDevice
 from rigctl.errors import DeviceAnswerError, RigError
 

@@ -13,9 +13,9 @@ from unittest import mock
 import pytest
 
 from rigctl import daemon as daemons
-from rigctl.commissioning.acts import Acts, Found
 from rigctl.commissioning.step import Step
 from rigctl.commissioning.steps import steps_of
+from rigctl.commissioning.walk import Acts, Found
 from rigctl.config import Configuration, StoreSection, load
 from rigctl.daemon import Daemon, open_daemon
 from rigctl.rig.clock import SYSTEM_CLOCK, Clock

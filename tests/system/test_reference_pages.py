@@ -23,7 +23,7 @@ from rigctl.errors import (
     RigError,
 )
 from rigctl.jobs import JobFailedError
-from rigctl.measuring.analysis_process import AnalysisFailedError
+from rigctl.measuring.analysing import AnalysisFailedError
 from rigctl.rig.states import LATCHED, TRANSITIONS
 from rigctl.service.app import create_app
 from rigctl.service.campaign_models import CampaignView, FitView

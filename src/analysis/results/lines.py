@@ -7,6 +7,7 @@ than chance and its freedom explain. Shots far from both lines do not count; the
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,7 +21,6 @@ from analysis.effects.contact.tangential_compliance import friction_reach, walto
 from analysis.quantity import Quantity
 from analysis.results.impacts import SHARED, V_N, V_N_AFTER, V_S, V_S_AFTER, Impacts
 from analysis.results.likelihood import Likelihood, likelihood
-from analysis.results.minimum import minimum
 
 NAMES = ("e", "mu", "beta0")
 LEAST_GAIN = 12.0
@@ -37,6 +37,12 @@ LEAST_CURVATURE = 1e-6
 """Of the likelihood in these units: a parameter that is flatter is not determined."""
 UNITS = np.array([1e-3, 1e-3, 1e-2])
 """About the errors that a campaign gives e, mu and beta0: units of the search."""
+STEP = 0.01
+"""Of the derivatives, in the units of the numbers."""
+ROUNDS, HALVINGS = 60, 12
+SETTLED = 1e-8
+FLATTEST = 1e-9
+"""Of the largest curvature: a flatter direction is not followed."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -230,7 +236,7 @@ def _fitted(impacts: Impacts, start: WaltonLaw, names: tuple[str, ...]) -> Lines
     def cost(step: Floats) -> float:
         return float(likelihood(impacts, law_at(step)).chi2.sum())
 
-    step, curvature = minimum(cost, len(where))
+    step, curvature = _minimum(cost, len(where))
     flat = np.linalg.eigvalsh(curvature).min() < LEAST_CURVATURE
     inverse = np.full_like(curvature, np.inf) if flat else np.linalg.inv(curvature)
     law = law_at(step)
@@ -257,3 +263,55 @@ def regression_curve(found: Lines, lever: float, x: Floats) -> Floats:
     if "beta0" not in found.fitted:
         return np.asarray(x - friction_reach(found.law, lever))
     return walton_curve(found.law, lever, x)
+
+
+def _minimum(cost: Callable[[Floats], float], size: int) -> tuple[Floats, Floats]:
+    """Search from zero by Newton's method, derivatives by central differences.
+
+    Parameters
+    ----------
+    cost
+        Its numbers in units in which its curvature is of the order of one.
+    size
+        How many numbers it has.
+
+    Returns
+    -------
+    Where the search comes to rest, shape (size,), and the second derivatives there, (size, size).
+    """
+    place = np.zeros(size)
+    here = cost(place)
+    for _ in range(ROUNDS):
+        slope, curvature = _derivatives(cost, place, here)
+        values, vectors = np.linalg.eigh(curvature)
+        steep = np.maximum(np.abs(values), FLATTEST * max(np.abs(values).max(), 1e-300))
+        step = -vectors @ ((vectors.T @ slope) / steep)
+        there = here
+        for _ in range(HALVINGS):
+            there = cost(place + step)
+            if there <= here:
+                break
+            step = step / 2
+        if not there <= here:
+            break
+        place, fall, here = place + step, here - there, there
+        if fall <= SETTLED:
+            break
+    return place, _derivatives(cost, place, here)[1]
+
+
+def _derivatives(
+    cost: Callable[[Floats], float], place: Floats, here: float
+) -> tuple[Floats, Floats]:
+    """Return slope and curvature."""
+    size = len(place)
+    axes = STEP * np.eye(size)
+    up, down = (np.array([cost(place + sign * axis) for axis in axes]) for sign in (1, -1))
+    slope = (up - down) / (2 * STEP)
+    curvature = np.diag(up + down - 2 * here)
+    for i in range(size):
+        for j in range(i):
+            mixed = cost(place + axes[i] + axes[j]) + cost(place - axes[i] - axes[j])
+            mixed += 2 * here - up[i] - down[i] - up[j] - down[j]
+            curvature[i, j] = curvature[j, i] = mixed / 2
+    return slope, curvature / STEP**2

@@ -15,8 +15,7 @@ from analysis.exchange.description import read_description
 from analysis.model.data.gather import CONTACTS, IMPACTS, gather
 from analysis.shot import Method
 from rigctl.api.campaign import Campaign
-from rigctl.api.frames import Frames
-from rigctl.api.measured import Measured, Source
+from rigctl.api.measured import Frames, Measured, Source
 from rigctl.api.own_effects import KnownEffects
 from rigctl.input_errors import as_analysis_errors
 

@@ -8,14 +8,13 @@ from pathlib import Path
 from analysis.imaging.playback.sampling import Sampling
 from rigctl.cameras.brought import BroughtFilm
 from rigctl.cameras.capture import Capture
+from rigctl.cameras.capture_folder import CaptureFolder
 from rigctl.cameras.chronos import Chronos
-from rigctl.cameras.files import CaptureFolder
 from rigctl.cameras.genicam import Genicam, library
 from rigctl.cameras.live import LiveCapture
 from rigctl.cameras.memory import MemoryCapture
 from rigctl.cameras.own import own_capture
-from rigctl.cameras.playback import DigitisedPlayback, VideoSource
-from rigctl.cameras.resampling import Crop, ResampledVideo
+from rigctl.cameras.playback import Crop, DigitisedPlayback, ResampledVideo, VideoSource
 from rigctl.cameras.running_playback import RunningPlayback
 from rigctl.cameras.tape import PictureSource, TapeCapture
 from rigctl.cameras.v4l2 import VideoDevice

@@ -20,7 +20,7 @@ from rigctl.cameras.frames import FrameSequence
 from rigctl.documents import Json
 from rigctl.errors import AnalysisInputError
 from rigctl.exchange.amending import tags_field
-from rigctl.exchange.documents import CONFIGURATION, SIMULATED
+from rigctl.exchange.importing import CONFIGURATION, SIMULATED
 from rigctl.measuring.stored_poses import poses_of, slow_errors_of
 from rigctl.measuring.stored_shot import exposed_setup
 from rigctl.progress import Progress

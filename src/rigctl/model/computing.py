@@ -28,8 +28,8 @@ from analysis.model.agreement.document import (
     findings_document,
     structure_document,
 )
+from analysis.model.agreement.freed import paths_document
 from analysis.model.agreement.launch import launch_stage
-from analysis.model.agreement.predicted_paths import paths_document
 from analysis.model.agreement.table import Stage
 from analysis.model.data.stream import whole
 from analysis.model.data.tables import Data

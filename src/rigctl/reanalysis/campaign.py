@@ -11,7 +11,7 @@ from itertools import chain, islice
 from analysis.campaign import TEACHING_SHOTS
 from rigctl.documents import Json
 from rigctl.errors import NotFoundError, RigError
-from rigctl.measuring.analysis_process import AnalysisFailedError
+from rigctl.measuring.analysing import AnalysisFailedError
 from rigctl.progress import Progress
 from rigctl.reanalysis.pools import Pool
 from rigctl.reanalysis.work import Broken, Found, analysed, taught

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from analysis.exchange.shot_list import ShotRow
 from rigctl.documents import Json
-from rigctl.exchange.documents import shot_of_row
+from rigctl.exchange.importing import shot_of_row
 from rigctl.store.folders import results_in, sha256
 from rigctl.store.imports import LISTING, ImportedShot, Stage
 

@@ -22,7 +22,7 @@ from rigctl.errors import RigError
 from rigctl.service.events import EventHub
 from rigctl.service.guards.auth import PREFIX, KeyGuard
 from rigctl.service.guards.body_limit import BodyLimit
-from rigctl.service.guards.queries import require_known
+from rigctl.service.guards.requests import require_known
 from rigctl.service.job_models import JobSummary
 from rigctl.service.lanes import Lanes
 from rigctl.service.metrics import Metrics, metrics_route

@@ -21,9 +21,9 @@ from rigctl.errors import RigError
 from rigctl.rig.status import RigStatus
 from rigctl.service.guards.auth import ESTOP_PATH
 from rigctl.service.guards.origins import OwnOrigins
-from rigctl.service.models import RigView
+from rigctl.service.guards.requests import loads
+from rigctl.service.models import ReleaseOrder, RigView
 from rigctl.service.problems import answer, from_error, unforeseen
-from rigctl.service.stop_reason import LONGEST_REASON, REASON_WAIT_S, reason_of
 
 _log = logging.getLogger(__name__)
 
@@ -240,3 +240,20 @@ def _reply(connection: _Connection, response: Response) -> None:
     with contextlib.suppress(OSError, h11.ProtocolError), connection.link:
         connection.link.settimeout(REQUEST_WITHIN_S)
         connection.link.sendall(b"".join(connection.http.send(piece) or b"" for piece in pieces))
+
+
+REASON_WAIT_S = 0.02
+"""A stop waits this long for the reason in its body, and no longer, s."""
+
+LONGEST_REASON = 16_384
+"""Bytes of a body that are read for a reason."""
+
+NO_REASON = "emergency stop by REST"
+
+
+def reason_of(body: bytes) -> str:
+    """Return the reason that a body states, or `NO_REASON` where it states none."""
+    try:
+        return ReleaseOrder.model_validate(loads(body)).reason
+    except (ValueError, RecursionError):
+        return NO_REASON

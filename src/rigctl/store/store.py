@@ -13,10 +13,9 @@ from typing import Any
 from rigctl.cameras.frames import FrameSequence
 from rigctl.errors import NotFoundError, RigError
 from rigctl.listeners import Listeners
-from rigctl.store.campaigns import CampaignRecord, Campaigns
+from rigctl.store.campaigns import CampaignRecord, Campaigns, Fits
 from rigctl.store.catalogue import Catalogue, Change
 from rigctl.store.edits import Edits
-from rigctl.store.fits import Fits
 from rigctl.store.folders import ShotFolders
 from rigctl.store.imports import Imports
 from rigctl.store.journal import Journal

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from analysis.chi_squared import chance_of_more, limit, median
-from analysis.model.verdict.gain import ranks_of
+from analysis.model.verdict.forward import ranks_of
 
 
 def test_the_chance_of_a_chi_squared_is_the_share_of_sums_of_squares_above_it() -> None:

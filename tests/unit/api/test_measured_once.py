@@ -17,7 +17,7 @@ from analysis.campaign import ShotJob, analyse_campaign, read_campaign
 from analysis.exchange.folder import folder_writer
 from analysis.model.data.gather import gather_poses
 from analysis.shot import AnalysisOptions, MeasuredShot
-from rigctl.api import frames
+from rigctl.api import measured as frames
 
 ARRAYS = ("shots", "times_s", "position", "position_sigma", "rotation", "rotation_sigma")
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import tifffile
 
-from rigctl.cameras.files import CaptureFolder
+from rigctl.cameras.capture_folder import CaptureFolder
 from rigctl.errors import DeviceAbsentError, DeviceAnswerError, FramesError
 
 Recorder = Any

@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from rigctl.cameras.build import build_capture
-from rigctl.cameras.resampling import Crop, ResampledVideo
+from rigctl.cameras.playback import Crop, ResampledVideo
 from rigctl.cameras.v4l2 import VideoFrame
 from rigctl.config import V4l2Source, load
 from rigctl.config.camera import EktaproCamera

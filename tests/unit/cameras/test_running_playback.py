@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from analysis.imaging.playback.sampling import Sampling
-from rigctl.cameras.playback import DigitisedPlayback
-from rigctl.cameras.resampling import Crop, ResampledVideo
+from rigctl.cameras.playback import Crop, DigitisedPlayback, ResampledVideo
 from rigctl.cameras.running_playback import RunningPlayback
 from rigctl.cameras.v4l2 import VideoFrame
 from rigctl.devices.ektapro import RecorderMode, RecorderStatus, TapePlace

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rigctl.page.parts.filtering import Filter, FilterError
-from rigctl.page.shots.table import MEASURED_COLUMNS
+from rigctl.page.shots.table import MEASURED_COLUMNS, Filter, FilterError
 
 COLUMNS = {own["name"]: own["label"] for own in MEASURED_COLUMNS}
 ROWS: list[dict[str, object]] = [

@@ -7,8 +7,7 @@ from typing import Any
 
 import pytest
 
-from rigctl.page.model.story.film import scene_of
-from rigctl.page.model.story.ghost import of_film, of_places
+from rigctl.page.model.story.ghost import of_film, of_places, scene_of
 from rigctl.page.shots.films import Film
 from rigctl.page.shots.overlay import Overlays
 

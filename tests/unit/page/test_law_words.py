@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rigctl.page.model.law_words import in_story, on_page
+from rigctl.page.model.law import in_story, on_page
 from rigctl.page.model.story.words import cells_in_plain
 
 

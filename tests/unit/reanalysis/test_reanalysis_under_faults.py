@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from rigctl.measuring.analysis_process import AnalysisFailedError
+from rigctl.measuring.analysing import AnalysisFailedError
 from rigctl.reanalysis import Pool, pool, reanalyse_campaign
 from rigctl.reanalysis.work import Broken
 from rigctl.store import Store

@@ -16,8 +16,7 @@ from rig_fakes import BOUND_S, Laboratory, until
 from rigctl.errors import StoreError
 from rigctl.jobs import attending
 from rigctl.jobs.worker_process import WorkerProcess
-from rigctl.measuring.analysing import Analyser, Awaited
-from rigctl.measuring.analysis_process import AnalysisProcess, Compiling
+from rigctl.measuring.analysing import Analyser, AnalysisProcess, Awaited, Compiling
 from rigctl.measuring.result_keeping import Keeper
 from rigctl.measuring.stored_shot import analyse_stored_shot, manifest_setup
 from rigctl.store import ShotRecord, Store
@@ -251,7 +250,7 @@ def test_a_process_killed_after_its_result_came_is_not_given_the_next_shot(
         return result
 
     late = list[str]()
-    monkeypatch.setattr("rigctl.measuring.analysis_process.attend", cancelled_late)
+    monkeypatch.setattr("rigctl.measuring.analysing.attend", cancelled_late)
     # The system takes a while to clear a killed process up: until then it looks alive.
     monkeypatch.setattr(WorkerProcess, "alive", True)
     folder = lab.store.folders.folder(lab.shoot().id)

@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
-from rigctl.commissioning.acts import Acts
 from rigctl.commissioning.step import Act, Step
 from rigctl.commissioning.steps import steps_of
+from rigctl.commissioning.walk import Acts
 from rigctl.config import load
 
 CONFIG = Path(__file__).parents[3] / "config"

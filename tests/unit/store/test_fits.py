@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from rigctl.errors import NotFoundError, StoreError
-from rigctl.store.fits import Fits
+from rigctl.store.campaigns import Fits
 
 
 @pytest.fixture

@@ -22,7 +22,7 @@ from rigctl.cameras.frames import FrameSequence
 from rigctl.errors import NotFoundError, StoreError
 from rigctl.settings import ShotSettings
 from rigctl.store import Change, NewShot, NewSweep, ShotState, Store, reading
-from rigctl.store.integrity.backup import Backup, back_up
+from rigctl.store.integrity.copying import Backup, back_up
 from rigctl.store.integrity.ledger import begin
 from rigctl.store.integrity.seal import read_seal, read_secret
 from rigctl.store.integrity.verifying import Verified, verify_store

@@ -9,9 +9,10 @@ from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
 from analysis.effects.effect import Effect, Parameter
-from analysis.effects.own import behaviour, naming, units
+from analysis.effects.own import behaviour, units
 from analysis.effects.own.fault import EffectFault, Fault
 from analysis.effects.own.guard import FUNCTIONS, function_line, function_of, guarded
+from analysis.effects.own.template import FORM, well_formed
 
 TEXTS = ("title", "formula", "source", "gives_away")
 
@@ -22,8 +23,8 @@ def first_fault(effect: Effect) -> tuple[str, str] | None:
     A file may hold values of any type in any field.
     """
     name: object = effect.name
-    if not isinstance(name, str) or not naming.well_formed(name):
-        return f"its name {name!r} is not in the form of names", f"use {naming.FORM}"
+    if not isinstance(name, str) or not well_formed(name):
+        return f"its name {name!r} is not in the form of names", f"use {FORM}"
     stage = getattr(effect, "stage", None)
     if stage not in FUNCTIONS:
         return f"its stage is {stage}", f"choose a class of effects of {', '.join(FUNCTIONS)}"

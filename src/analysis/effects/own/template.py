@@ -1,8 +1,19 @@
-"""Template file for a user's own effect: it works unchanged, and is off by default."""
+"""Template file for a user's own effect, which works unchanged and is off; the form of its name."""
 
 from __future__ import annotations
 
+import re
 from string import Template
+
+NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
+FORM = "lower case letters and figures, words joined by hyphens, as in restitution-drift"
+LONGEST = 64
+
+
+def well_formed(name: str) -> bool:
+    """Whether a name has the form that commands, files and the API can carry."""
+    return len(name) <= LONGEST and NAME.fullmatch(name) is not None
+
 
 _HEAD = '''"""What the effect is, in one sentence."""
 

@@ -1,14 +1,22 @@
-"""Frames from a multi-page TIFF, every one that the file speaks of or none."""
+"""Frames from a multi-page TIFF, every one that the file speaks of or none.
+
+Its directories are gone through once before a library follows them. A damaged file can have a
+directory that follows itself, a tag of a billion values, or values that lie beyond the file's end;
+a library reads the first for ever and holds the second in memory.
+"""
 
 from __future__ import annotations
 
 import logging
 import math
 import re
+import struct
 import zlib
+from collections.abc import Callable
+from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 import tifffile
@@ -16,7 +24,6 @@ from numpy.typing import NDArray
 
 from analysis.errors import InputError, counted
 from analysis.files import FrameBudget
-from analysis.imaging.files.tiff_walk import walk
 
 # What the library finds wrong comes back as a refusal; its own lines would stand beside it.
 logging.getLogger("tifffile").addHandler(logging.NullHandler())
@@ -26,6 +33,12 @@ _PADDING = 2
 """A packed strip or tile may unpack to this many times the page: some writers fill up the last."""
 _OME_PIXELS = re.compile(r"<(?:\w+:)?Pixels\b[^>]*>")
 _OME_SIZES = re.compile(r"\bSize[ZCT]\s*=\s*[\"'](\d{1,9})[\"']")
+_VALUE_BYTES = (0, 1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8, 4, 0, 0, 8, 8, 8)
+"""Bytes of one value by the number of its type; 0 where there is no such type."""
+_TEXTS = (1, 2, 6, 7)
+"""Types of one byte, which a library holds as they are."""
+_MOST_VALUES = 1_000_000
+"""Numbers in the tags of one directory: a library makes an object of each."""
 
 
 def read_tiff(path: Path, budget: FrameBudget) -> list[NDArray[np.generic]]:
@@ -39,7 +52,7 @@ def read_tiff(path: Path, budget: FrameBudget) -> list[NDArray[np.generic]]:
     """
     pages: list[NDArray[np.generic]] = []
     size = path.stat().st_size
-    found = walk(path, budget)
+    found = _walk(path, budget)
     try:
         # Other files that a description names are not looked for.
         with tifffile.TiffFile(path, _multifile=False) as tiff:
@@ -140,3 +153,125 @@ def _behind_one_page(
         budget.claim(page.shape, kind.itemsize)
     values = np.fromfile(path, dtype=kind, count=frames * page.size, offset=start)
     return list(values.reshape(frames, *page.shape))
+
+
+@dataclass(frozen=True, slots=True)
+class _Form:
+    """How numbers are written: classic or BigTIFF (TIFF 6.0, section 2)."""
+
+    order: str
+    large: bool
+
+    @property
+    def count(self) -> struct.Struct:
+        return struct.Struct(self.order + ("Q" if self.large else "H"))
+
+    @property
+    def tag(self) -> struct.Struct:
+        return struct.Struct(self.order + ("HHQQ" if self.large else "HHII"))
+
+    @property
+    def offset(self) -> struct.Struct:
+        return struct.Struct(self.order + ("Q" if self.large else "I"))
+
+
+@dataclass(frozen=True, slots=True)
+class _Walk:
+    """What was found of the directories, in their order.
+
+    Attributes
+    ----------
+    value_ends
+        Byte where the values of a directory's tags end.
+    ends_well
+        Whether the last directory found says that no other follows.
+    """
+
+    value_ends: tuple[int, ...]
+    ends_well: bool
+
+
+def _walk(path: Path, budget: FrameBudget) -> _Walk:
+    """Follow the directories of a TIFF.
+
+    Raises
+    ------
+    InputError
+        It is no TIFF; a directory follows one that it lies before; more of them than the budget
+        allows; or one with too many values.
+    """
+    size = path.stat().st_size
+    with path.open("rb") as file:
+        form, offset = _head(path, file)
+        ends: list[int] = []
+        seen: set[int] = set()
+        while offset:
+            if offset in seen:
+                raise InputError(
+                    path, f"damaged: its directories go round, frame {len(ends)} is an earlier one"
+                )
+            seen.add(offset)
+            found = _directory(path, file, form, offset, len(ends)) if offset < size else None
+            if found is None or found[1] is None:
+                # The directory, or what follows it, lies beyond the end.
+                return _Walk((*ends, *(() if found is None else (found[0],))), ends_well=False)
+            end, offset = found[0], found[1]
+            ends.append(end)
+            budget.require_frames(len(ends))
+            budget.require_time()
+            if end > size:
+                break
+    return _Walk(tuple(ends), ends_well=not offset)
+
+
+def _head(path: Path, file: BinaryIO) -> tuple[_Form, int]:
+    head = file.read(16)
+    order = {b"II": "<", b"MM": ">"}.get(head[:2])
+    if order is None or len(head) < 8:
+        raise InputError(path, "damaged after 0 whole frames: not a TIFF")
+    (version,) = struct.unpack(order + "H", head[2:4])
+    form = _Form(order, large=version == 43)
+    place = head[8:16] if form.large else head[4:8]
+    if version not in {42, 43} or len(place) < form.offset.size:
+        raise InputError(path, "damaged after 0 whole frames: not a TIFF")
+    return form, int(form.offset.unpack(place)[0])
+
+
+def _directory(
+    path: Path, file: BinaryIO, form: _Form, offset: int, frame: int
+) -> tuple[int, int | None] | None:
+    """Return where the values of a directory end, and where the next one lies; None: it is cut."""
+    take = _reader(file, offset)
+    count = take(form.count)
+    if count is None:
+        return None
+    if count[0] > 0xFFFF:
+        raise InputError(path, f"damaged in frame {frame}: its directory has {count[0]} tags")
+    end = values = 0
+    for _ in range(count[0]):
+        tag = take(form.tag)
+        if tag is None:
+            return None
+        _, kind, number, place = tag
+        each = _VALUE_BYTES[kind] if kind < len(_VALUE_BYTES) else 0
+        values += 0 if kind in _TEXTS else number
+        if number * each > form.offset.size:
+            end = max(end, place + number * each)
+    if values > _MOST_VALUES:
+        raise InputError(
+            path,
+            f"frame {frame} has {values} numbers in its tags, allowed are {_MOST_VALUES}; save it "
+            "in fewer strips",
+        )
+    following = take(form.offset)
+    return end, None if following is None else int(following[0])
+
+
+def _reader(file: BinaryIO, offset: int) -> Callable[[struct.Struct], tuple[int, ...] | None]:
+    file.seek(offset)
+
+    def take(form: struct.Struct) -> tuple[int, ...] | None:
+        content = file.read(form.size)
+        return form.unpack(content) if len(content) == form.size else None
+
+    return take

@@ -16,7 +16,7 @@ import numpy as np
 from analysis.effects.clock.timing_jitter import EFFECT as JITTER
 from analysis.model.data.stream import CampaignData
 from analysis.model.data.tables import ContactTable
-from analysis.model.data.tables_noise import with_scatter_as_noise
+from analysis.model.data.tables_build import with_scatter_as_noise
 from analysis.model.fitting.account import AS_STATED
 from analysis.model.fitting.fit import Fit, beside_field, fit_campaign
 from analysis.model.fitting.noise import NoiseScale, noise_scales

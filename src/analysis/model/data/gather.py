@@ -26,15 +26,13 @@ from analysis.exchange.pose_table import (
 )
 from analysis.exchange.shot_list import ShotRow, read_shot_list
 from analysis.exchange.tabulated import Tabulated
-from analysis.model.data.bounces import BOUNCES_A_SHOT, by_bounce
 from analysis.model.data.columns import ShotColumns
 from analysis.model.data.inside import shows_both_sides
-from analysis.model.data.plate import Plate
+from analysis.model.data.plate import BOUNCES_A_SHOT, Plate, by_bounce
 from analysis.model.data.plate_found import plate_of
 from analysis.model.data.poses import PoseData
 from analysis.model.data.tables import ContactTable, Data
-from analysis.model.data.tables_build import contacts_table, impacts_table
-from analysis.model.data.tables_noise import with_scatter_as_noise
+from analysis.model.data.tables_build import contacts_table, impacts_table, with_scatter_as_noise
 from analysis.model.predict.start import LEAST_FOR_A_LINE, LEAST_FRAMES
 from analysis.scene import bodies_of
 from analysis.setup import Setup, SlowErrors

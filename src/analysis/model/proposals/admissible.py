@@ -18,7 +18,7 @@ from analysis.model.proposals.arguments import (
     is_column,
     known_arguments,
 )
-from analysis.model.verdict.gain import ranks_of
+from analysis.model.verdict.forward import ranks_of
 
 FEWEST_SHOTS = 12
 """Of fewer shots a handful of forms fits any residual."""

@@ -16,8 +16,11 @@ from analysis.model.fitting.fit import Fit, fit_campaign, parts_of
 from analysis.model.fitting.jitter import by_frame
 from analysis.model.fitting.noise import about_free_flight
 from analysis.model.predict.comparison import KINDS, Comparison, Snapshot, by_block, compare, rates
-from analysis.model.rank.bows import bows
 from analysis.quantity import Quantity
+
+POWERS = (2, 3, 4, 5, 6)
+"""Of the time from the middle of a flight: the sixth is a cube of the height."""
+SIDES, AXES = 2, 3
 
 
 def timing_jitter(data: CampaignData, fit: Fit) -> JitterScore | None:
@@ -45,7 +48,7 @@ class JitterTrial:
         if here.frames is None or isinstance(data, ContactTable):
             self._framed = False
             return
-        flight = about_free_flight(line, bows(data, line.slopes))
+        flight = about_free_flight(line, _bows(data, line.slopes))
         self._freedom += float(flight.share.sum())
         along = rates(data, here.frames.flown)
         residual = by_frame(flight.left[..., None]).reshape(along.shape)
@@ -84,3 +87,41 @@ def _kernel(along: Floats, basis: Floats) -> Floats:
     index = np.arange(frames)
     kernel[:, index, index] += (along**2).sum(axis=(2, 3))
     return np.asarray(kernel)
+
+
+def _bows(data: PoseData, slopes: Floats) -> Floats:
+    """Return whitened bows of flights that slow errors bend, along each axis, (S, 4, 3 F, K).
+
+    Places of a filmed ball share what its camera leaves open: a lens, a line of sight, an outline.
+    Such errors are squares and cubes of the height over the plate, which is a parabola of the time,
+    and are many times as large as the scatter from frame to frame. What changes as slowly says
+    nothing of whether frames were taken on time.
+
+    K is 0 but for a ball on a plate whose slow errors are stated: flights of marked spheres have
+    too few frames to tell a bow from a jitter.
+
+    Parameters
+    ----------
+    slopes
+        Of the prediction by the numbers of the flights, shape (S, 4, 3 F, 12): place and rate
+        before the contact, then after it.
+    """
+    shots, blocks, length, _ = slopes.shape
+    if not data.on_plate or data.slow.position_m <= 0.0:
+        return np.zeros((shots, blocks, length, 0))
+    times = np.repeat(data.times_s, AXES, axis=1)[:, None]
+    axis = np.arange(length) % AXES
+    found = []
+    for side in range(SIDES):
+        place = slopes[..., 6 * side : 6 * side + AXES]
+        weight = np.sqrt((place**2).sum(axis=3))
+        seen = weight > 0
+        told = seen.any(axis=2, keepdims=True)
+        first = np.where(told, np.where(seen, times, np.inf).min(axis=2, keepdims=True), 0.0)
+        last = np.where(told, np.where(seen, times, -np.inf).max(axis=2, keepdims=True), 0.0)
+        half = np.maximum(0.5 * (last - first), np.finfo(float).tiny)
+        inside = np.where(seen, np.where(seen, times - 0.5 * (first + last), 0.0) / half, 0.0)
+        found += [
+            weight * inside**power * (axis == along) for power in POWERS for along in range(AXES)
+        ]
+    return np.stack(found, axis=3)

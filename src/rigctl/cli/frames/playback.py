@@ -15,7 +15,7 @@ from analysis.imaging.fields import Scan, field_times
 from analysis.imaging.playback.chain import Clock
 from analysis.imaging.playback.recorded import Recorded, recorded_pictures
 from analysis.imaging.playback.sampling import Sampling
-from rigctl.cameras.stack_file import StackNote
+from rigctl.cameras.capture_folder import StackNote
 from rigctl.cli.options import Json
 from rigctl.cli.output import print_json
 from rigctl.errors import AnalysisInputError, SettingsError

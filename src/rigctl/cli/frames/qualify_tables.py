@@ -13,7 +13,7 @@ from rich.table import Table
 from analysis.qualification.depth import QUANTITIES, BothWays, typical_errors
 from analysis.qualification.disk import Turn
 from analysis.qualification.drop import Gravity, Method
-from analysis.qualification.published import (
+from analysis.qualification.figures import (
     ANGLES_DEG,
     COMPUTED_DEG,
     DEVIATIONS_DEG,

@@ -11,8 +11,7 @@ from rich.console import Console
 from rich.table import Table
 
 from analysis.effects.catalogue import LAUNCH_CATALOGUE
-from analysis.effects.own import naming
-from analysis.effects.own.template import template
+from analysis.effects.own.template import FORM, template, well_formed
 from rigctl.cli.model.reading import report_faults
 from rigctl.cli.options import Json, OwnEffects
 from rigctl.cli.output import TABLE_WIDTH, print_json
@@ -44,9 +43,9 @@ def new(
     StoreError
         The file cannot be written.
     """
-    if not naming.well_formed(name):
+    if not well_formed(name):
         raise SettingsError(
-            "is not in the form of names", part="NAME", value=repr(name), limit=naming.FORM
+            "is not in the form of names", part="NAME", value=repr(name), limit=FORM
         )
     if any(effect.name == name for effect in ALL_EFFECTS):
         raise SettingsError(

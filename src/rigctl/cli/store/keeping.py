@@ -14,7 +14,7 @@ from rigctl.errors import StoreError
 from rigctl.exchange.fresh import fresh_folder
 from rigctl.opening import read_store
 from rigctl.store.integrity.anchors import add_anchor, read_anchors
-from rigctl.store.integrity.backup import back_up
+from rigctl.store.integrity.copying import back_up
 from rigctl.store.integrity.verifying import verify_store
 
 

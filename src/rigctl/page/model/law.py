@@ -1,12 +1,13 @@
 """A law that no catalogue holds: asked for beside `unexplained`, and one click from a sweep.
 
 Once its shots are fired, the same place tests the one form on them; several campaigns are asked
-there for what they share.
+there for what they share. Its sentences have signs, buttons for options and plain names.
 """
 
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from functools import partial
 
@@ -22,6 +23,8 @@ from rigctl.errors import AnalysisInputError
 from rigctl.jobs import Job
 from rigctl.measuring.measured import others
 from rigctl.page.model.state import ModelState, Question
+from rigctl.page.model.story.words import COVARIATES
+from rigctl.page.parts.tables import RAISED
 from rigctl.page.parts.widgets import button
 from rigctl.page.sweeps.form import form_address
 from rigctl.sweeps.form import Sweep
@@ -169,3 +172,31 @@ class ProposedLaw:
             limits=[list(limits.pressure_kpa), list(limits.offset_mm)],
             **more,
         )
+
+
+TINY = re.compile(r"\b1e(-\d+)\b")
+POWER = re.compile(r"\b(\d(?:\.\d+)?)e(-\d+)\b")
+NAMES = {
+    "speed_n": "approach speed",
+    "speed_s": "sliding speed",
+    "obliquity": "sliding ÷ approach",
+    **{name: COVARIATES[name].partition(" (")[0] for name in COVARIATES if "_" in name},
+}
+"""Of quantities that a law may depend on; those with other names are words already."""
+NAMED = re.compile(rf"\b({'|'.join(sorted(NAMES, key=len, reverse=True))})\b")
+
+
+def on_page(sentence: str) -> str:
+    """Return a sentence with the page's signs, and its buttons in the place of options."""
+    said = sentence.strip().replace("+-", "±").replace("ask with --confirm", "press Confirm")
+    said = TINY.sub(lambda found: f"10{_raised(found[1])}", said)
+    return POWER.sub(lambda found: f"{found[1]}·10{_raised(found[2])}", said)
+
+
+def _raised(power: str) -> str:
+    return str(int(power)).translate(RAISED)
+
+
+def in_story(sentence: str) -> str:
+    """Return the same with the names of quantities in plain words."""
+    return NAMED.sub(lambda found: NAMES[found[1]], on_page(sentence))

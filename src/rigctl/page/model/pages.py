@@ -14,7 +14,7 @@ from rigctl.page.guide.rail import Rail
 from rigctl.page.layout import sheet
 from rigctl.page.model.challenge_maker import ChallengeMaker
 from rigctl.page.model.challenge_panel import ChallengePanel
-from rigctl.page.model.law_words import in_story
+from rigctl.page.model.law import in_story
 from rigctl.page.model.next import NextShots
 from rigctl.page.model.source import Source
 from rigctl.page.model.state import Effects, ModelState

@@ -20,8 +20,7 @@ from analysis.schema.codec import read
 from analysis.schema.verdict import Nuisance, VerdictReport
 from rigctl.documents import Json
 from rigctl.page.desk import Desk
-from rigctl.page.model.law import ProposedLaw
-from rigctl.page.model.law_words import on_page
+from rigctl.page.model.law import ProposedLaw, on_page
 from rigctl.page.model.state import Effects, ModelState, Question
 from rigctl.page.model.story.errors import Unseen
 from rigctl.page.model.where import named

@@ -8,14 +8,14 @@ from typing import Annotated, Any, Self
 from fastapi import APIRouter, Request
 from pydantic import BaseModel, Field
 
-from rigctl.commissioning.acts import Found
 from rigctl.commissioning.gate import Standing
 from rigctl.commissioning.step import Act, Part
+from rigctl.commissioning.walk import Found
 from rigctl.config.model import StrictModel
 from rigctl.daemon import Daemon
 from rigctl.plain_text import Line
 from rigctl.service.forms import View
-from rigctl.service.guards.bodies import StrictRoute
+from rigctl.service.guards.requests import StrictRoute
 from rigctl.service.lanes import Lanes
 from rigctl.service.problems import documented
 

@@ -7,7 +7,7 @@ from fastapi import APIRouter, Request
 from rigctl.daemon import Daemon
 from rigctl.plain_text import CampaignName
 from rigctl.service.campaign_models import CampaignView
-from rigctl.service.guards.bodies import StrictRoute
+from rigctl.service.guards.requests import StrictRoute
 from rigctl.service.models import ExcludeOrder, NoteOrder, ShotView, TagsOrder
 from rigctl.service.problems import documented
 

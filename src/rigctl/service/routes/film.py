@@ -16,7 +16,7 @@ from rigctl.daemon import Daemon
 from rigctl.errors import AnalysisInputError, NotFoundError
 from rigctl.measuring.brought_film import bring_film, new_film
 from rigctl.service.accepted import accepted, accepts
-from rigctl.service.guards.bodies import StrictRoute
+from rigctl.service.guards.requests import StrictRoute
 from rigctl.service.problems import documented
 
 BROUGHT_WITHIN_S = 900.0

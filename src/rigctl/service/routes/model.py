@@ -30,9 +30,9 @@ from rigctl.service.campaign_models import (
     NextOrder,
     ProposeOrder,
 )
-from rigctl.service.guards.bodies import StrictRoute
+from rigctl.service.guards.requests import StrictRoute
+from rigctl.service.openapi import reported
 from rigctl.service.problems import documented
-from rigctl.service.reports import reported
 
 
 def model_routes(daemon: Daemon) -> APIRouter:

@@ -14,7 +14,7 @@ from rigctl.devices.ektapro import RecorderMode, TapePlace
 from rigctl.errors import NotFoundError
 from rigctl.rig.tape import erase_tape
 from rigctl.service.forms import View
-from rigctl.service.guards.bodies import StrictRoute
+from rigctl.service.guards.requests import StrictRoute
 from rigctl.service.lanes import Lanes
 from rigctl.service.pictures import png
 from rigctl.service.problems import documented

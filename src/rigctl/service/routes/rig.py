@@ -9,11 +9,11 @@ from fastapi import APIRouter, Request
 from starlette.requests import ClientDisconnect
 
 from rigctl.daemon import Daemon
-from rigctl.service.guards.bodies import StrictRoute
+from rigctl.service.guards.requests import StrictRoute
 from rigctl.service.lanes import Lanes
 from rigctl.service.models import ArmView, ReleaseOrder, RigView
 from rigctl.service.problems import documented
-from rigctl.service.stop_reason import LONGEST_REASON, REASON_WAIT_S, reason_of
+from rigctl.service.stop_port import LONGEST_REASON, REASON_WAIT_S, reason_of
 from rigctl.settings import ShotSettings
 
 _REASON_BODY = {

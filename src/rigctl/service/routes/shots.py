@@ -9,7 +9,7 @@ from starlette.responses import Response
 
 from rigctl.daemon import Daemon
 from rigctl.errors import NotFoundError
-from rigctl.service.guards.bodies import StrictRoute
+from rigctl.service.guards.requests import StrictRoute
 from rigctl.service.lanes import Lanes
 from rigctl.service.models import (
     FrameQuery,

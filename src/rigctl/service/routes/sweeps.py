@@ -8,7 +8,7 @@ from typing import Annotated
 from fastapi import APIRouter, Path, Query, Request, Response
 
 from rigctl.daemon import Daemon
-from rigctl.service.guards.bodies import StrictRoute
+from rigctl.service.guards.requests import StrictRoute
 from rigctl.service.lanes import Lanes
 from rigctl.service.problems import documented
 from rigctl.service.routes.shots import IdempotencyKey

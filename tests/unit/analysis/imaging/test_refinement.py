@@ -9,7 +9,7 @@ from rendered import OPTICS, RADIUS_PX, picture, setup_of
 from analysis.imaging.edge.frame import find_edges
 from analysis.imaging.film_discs import FilmDiscs
 from analysis.imaging.film_following import FilmCurves
-from analysis.imaging.refinement import Appearance, refine_outlines
+from analysis.imaging.radii import Appearance, refine_outlines
 from analysis.imaging.views import View, view_geometries
 from simulators.world import WorldDescription
 from simulators.world.optics import front_view

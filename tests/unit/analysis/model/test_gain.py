@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from analysis.model.verdict.gain import is_shared, signed_rank
+from analysis.model.verdict.forward import is_shared, signed_rank
 
 
 def test_gains_without_a_cause_have_a_unit_normal_sum_of_signed_ranks() -> None:

@@ -10,8 +10,8 @@ import pytest
 from analysis.effects.catalogue import CATALOGUE
 from analysis.errors import InputError
 from analysis.exchange.pose_table import read_poses
-from analysis.model.data.bounces import bounces_of
 from analysis.model.data.gather import gather
+from analysis.model.data.plate import bounces_of
 from analysis.model.data.poses import PoseData
 from analysis.model.data.reading import stream_poses
 from analysis.model.fitting.air import with_measured_air

@@ -12,9 +12,8 @@ import pytest
 from analysis.effects.contact.plate_tilt import leaning, tangents
 from analysis.errors import InputError
 from analysis.exchange.pose_table import read_poses
-from analysis.model.data.bounces import bounces_of
 from analysis.model.data.gather import gather
-from analysis.model.data.plate import Plate
+from analysis.model.data.plate import Plate, bounces_of
 from analysis.model.data.poses import PoseData
 from analysis.model.data.reading import stream_poses
 from rigctl import cli
@@ -63,8 +62,17 @@ def posed(folder: Path) -> PoseData:
     return data
 
 
-@pytest.mark.parametrize("meeting", [WALL, SLOPE, CEILING])
-@pytest.mark.parametrize("friction", [0.1, 0.4])
+@pytest.mark.parametrize(
+    ("meeting", "friction"),
+    [
+        (WALL, 0.1),
+        (SLOPE, 0.4),
+        (CEILING, 0.1),
+        pytest.param(WALL, 0.4, marks=pytest.mark.long),
+        pytest.param(SLOPE, 0.1, marks=pytest.mark.long),
+        pytest.param(CEILING, 0.4, marks=pytest.mark.long),
+    ],
+)
 def test_a_plate_that_nobody_described_is_found_within_its_error(
     meeting: Meeting, friction: float, tmp_path: Path
 ) -> None:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis.model.agreement.predicted_paths import paths_document, predicted_paths
+from analysis.model.agreement.freed import paths_document, predicted_paths
 from analysis.model.data.poses import PoseData
 from analysis.model.fitting.fit import Fit, fit_campaign
 from tests.unit.analysis.model.hard_spheres import campaign

@@ -8,8 +8,8 @@ from turning import CAMERA, LEAST_FACING, body_markers
 from analysis.errors import ShotRefusedError
 from analysis.imaging.marker.markers import Markers, film_markers, joined
 from analysis.imaging.views import View
-from analysis.motion.chained import orient_by_steps
 from analysis.motion.pattern import sightings
+from analysis.motion.proximal import orient_by_steps
 from analysis.motion.sightings import marker_angle
 
 RADIUS = 20.0

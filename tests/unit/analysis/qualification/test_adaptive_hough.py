@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from analysis.imaging.edge.facet import EdgePoints
-from analysis.qualification.compared_ways import CELLS, adaptive_hough, centre_votes
+from analysis.qualification.locating import CELLS, adaptive_hough, centre_votes
 
 ROWS, COLUMNS, RADII = (20.0, 70.0), (30.0, 90.0), (10.0, 30.0)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from analysis.imaging.edge.facet import EdgePoints
-from analysis.qualification.compared_ways import canny_edges, ridges, sobel_edges
+from analysis.qualification.locating import canny_edges, ridges, sobel_edges
 
 PLACE = (45.3, 60.7, 20.0)
 

@@ -11,8 +11,8 @@ from analysis.errors import ShotRefusedError
 from analysis.qualification.depth import measure_both_ways
 from analysis.qualification.disk import disk_markers, measure_disk, plane_angle
 from analysis.qualification.drop import gravity, measure_fall
+from analysis.qualification.figures import DEVIATIONS_DEG, drop_mean_and_deviation, z_errors
 from analysis.qualification.locating import find_disc, locate
-from analysis.qualification.published import DEVIATIONS_DEG, drop_mean_and_deviation, z_errors
 from analysis.qualification.stage import measure_stage
 from rigctl.cli.frames.qualify_sources import setup_of
 from simulators.qualification import filmed_drop, filmed_shot, stage_run, turning_disk

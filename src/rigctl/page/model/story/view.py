@@ -15,7 +15,7 @@ from rigctl.page.model.state import Effects, ModelState
 from rigctl.page.model.story.answers import changed, counted, error_bars, fell, law, worst_of
 from rigctl.page.model.story.cards import card_of, in_plain
 from rigctl.page.model.story.errors import Unseen, falls_to
-from rigctl.page.model.story.film import ShotFilm
+from rigctl.page.model.story.ghost import ShotFilm
 from rigctl.page.model.story.lead import drawing, lead_card
 from rigctl.page.model.story.plots import staircase
 from rigctl.page.model.story.where import WhereItFails

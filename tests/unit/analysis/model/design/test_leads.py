@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from analysis.model.design.leads import Leads
+from analysis.model.design.duel import Leads
 
 Floats = NDArray[np.float64]
 

@@ -13,7 +13,7 @@ import tifffile
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from rigctl.cameras.stack_file import StackNote, read_stack
+from rigctl.cameras.capture_folder import StackNote, read_stack
 from rigctl.errors import FramesError
 
 RATE = 1000.0
