@@ -29,6 +29,7 @@ MEMORY, ROOM_BYTES = "/dev/shm", 8 << 30
 if (
     "TMPDIR" not in os.environ
     and os.access(MEMORY, os.W_OK)
+    and not os.statvfs(MEMORY).f_flag & os.ST_NOEXEC
     and shutil.disk_usage(MEMORY).free > ROOM_BYTES
 ):
     os.environ["TMPDIR"] = MEMORY

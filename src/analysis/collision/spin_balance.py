@@ -19,10 +19,11 @@ MOST_OFF, AGREES = 3.0, 1.0
 """Of what errors allow: spins off by more contradict the impulse that velocities show, where the
 other sphere's agree with it. A law of contact that the balance lacks, as a moment of its own, would
 bring both off alike."""
-MOST_APART, LESS_SURE, MORE_OFF = 0.8, 2.0, 3.0
+MOST_APART, LESS_SURE, MORE_OFF, OFF = 0.8, 2.0, 3.0, 0.5
 """Of what errors and moments allow: spins of a and b whose changes differ by more contradict each
 other (right ones do by 0.3 at most). Wrong are those of so many times the other's error, or those
-that are so many times as far off the impulse that velocities show."""
+that are so many times as far off the impulse that velocities show, and by as much (right ones are
+by 0.25 at most)."""
 NORMAL_TURNS = 0.01
 """Share of the impulse that the normal turns by during a contact of unknown length, at least."""
 
@@ -41,11 +42,10 @@ def contradicted(impact: Impact, bodies: tuple[Body, Body], *, depth_seen: bool)
     if not spins_apart(impact, bodies) > MOST_APART:
         return None
     errors = np.linalg.norm(impact.state_sigma[:, 2:], axis=(0, 2))
-    for measure, ratio in ((errors, LESS_SURE), (off, MORE_OFF)):
-        worst = int(measure.argmax())
-        if measure[worst] > ratio * measure[1 - worst]:
-            return worst
-    return None
+    unsure = int(errors.argmax())
+    if errors[unsure] > LESS_SURE * errors[1 - unsure]:
+        return unsure
+    return worst if off[worst] > max(OFF, MORE_OFF * off[1 - worst]) else None
 
 
 def spins_apart(impact: Impact, bodies: tuple[Body, Body]) -> float:

@@ -37,7 +37,7 @@ def _said(verb: str, rest: str, frames: Sequence[int]) -> str:
 def ranges(numbers: Sequence[int]) -> str:
     """Return whole numbers in short, `1-120,122`."""
     parts: list[list[int]] = []
-    for number in sorted(numbers):
+    for number in sorted(set(numbers)):
         if parts and number == parts[-1][1] + 1:
             parts[-1][1] = number
         else:

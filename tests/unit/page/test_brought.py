@@ -64,6 +64,14 @@ def test_an_archive_with_a_description_is_a_campaign_however_deep_it_lies(place:
     assert known(place.parents[1], place.name) == found
 
 
+def test_an_archive_of_pictures_is_one_film_every_time_it_is_looked_at(place: Path) -> None:
+    pack(place, **{"film/1.png": "", "film/2.png": "", "film/read me.txt": ""})
+    found = what_is_in(place)
+    [film] = found.films
+    assert sorted(path.name for path in film.iterdir()) == ["1.png", "2.png"]
+    assert what_is_in(place) == found
+
+
 def test_a_campaign_at_the_top_of_its_archive_is_called_what_the_archive_is(place: Path) -> None:
     with zipfile.ZipFile(place / "nylon-2026.zip", "w") as archive:
         archive.writestr("campaign.toml", "")

@@ -27,8 +27,10 @@ def test_an_empty_store_asks_for_a_shot() -> None:
     assert progress_of([], any_measured=False, compared=False).step == FIRE
 
 
-def test_a_refused_shot_alone_is_nothing_to_read() -> None:
-    assert progress_of([campaign("first", 0, 1)], any_measured=False, compared=False).step == FIRE
+@pytest.mark.parametrize("refused", [1, 2, 9])
+def test_refused_shots_alone_are_nothing_to_read_or_sweep(refused: int) -> None:
+    known = [campaign("first", 0, refused)]
+    assert progress_of(known, any_measured=False, compared=False).step == FIRE
 
 
 @pytest.mark.parametrize(

@@ -100,8 +100,8 @@ class Appearance:
         """Factor on the scale's error by markers, against spheres of 20 px radius, at least 1.
 
         The model lays markers over shading that the blur has already spread, to first order: what
-        is left grows with the square of the blur over the radius. Of places about half does
-        (docs/decisions/0059-spheres-of-few-pixels.md).
+        is left grows with the square of the blur over the radius. Errors of places are multiplied
+        by the mean of this and 1 (docs/decisions/0059-spheres-of-few-pixels.md).
         """
         scale = float(self.camera.optics.scales[0])
         radius_px = scale * min(sphere.radius_m for sphere in self.spheres)

@@ -79,7 +79,7 @@ def progress_of(
         return Progress(READ if any_measured else FIRE)
     if measured >= ENOUGH:
         step = COMPARE
-    elif best.shots > 1:
+    elif measured and best.shots > 1:
         step = SWEEP
     else:
         step = READ if any_measured else FIRE

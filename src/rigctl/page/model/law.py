@@ -43,9 +43,10 @@ class ProposedLaw:
         self._form: Json = {}
         self._beside: list[str] = []
         job = state.source.daemon.jobs.job
-        self._asked = Question(self._ask, job)
-        self._tested = Question(lambda: self._ask(confirm=self._form), job)
-        self._shared = Question(self._ask_together, job)
+        plain = state.source.without_its_folder
+        self._asked = Question(self._ask, job, plain)
+        self._tested = Question(lambda: self._ask(confirm=self._form), job, plain)
+        self._shared = Question(self._ask_together, job, plain)
 
     @property
     def running(self) -> str:

@@ -86,7 +86,7 @@ class NextShots:
         self._pair: list[str] = []
         self._chosen_for: object = None
         self._choose: ui.button | None = None
-        self._asked = Question(self._ask, desk.daemon.jobs.job)
+        self._asked = Question(self._ask, desk.daemon.jobs.job, state.source.without_its_folder)
         with ui.element("div").classes("panel").props("data-testid=next-shots"):
             self.show()
             Waiting(desk, "Choosing shots", lambda: self._asked.running or "", "choosing")

@@ -155,10 +155,27 @@ def _read(text: str) -> Json:
 
 @dataclass(slots=True)
 class Question:
-    """One further question of a page, as a job: asked, followed, answered."""
+    """One further question of a page, as a job: asked, followed, answered.
+
+    Attributes
+    ----------
+    ask
+        Starts it.
+    daemon_job
+        The job of an identifier.
+    worded
+        What a reader sees of a failure's sentence.
+    answer, failure
+        What came; none yet where it is None and empty.
+    running
+        Identifier of the job while it is under way.
+    cancelled
+        Whether somebody ended it.
+    """
 
     ask: Callable[[], Job]
     daemon_job: Callable[[str], Job]
+    worded: Callable[[str], str] = str
     answer: Json | None = None
     failure: str = ""
     running: str | None = None
@@ -191,5 +208,5 @@ class Question:
         if job.state is JobState.DONE and job.result is not None:
             self.answer = json.loads(job.result)
         else:
-            self.failure = job.failure or cancelled_words(job)
+            self.failure = self.worded(job.failure or cancelled_words(job))
         return True

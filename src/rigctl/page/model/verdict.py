@@ -72,7 +72,9 @@ class Verdict:
         self._found_words = wording.found
         self._finding, self._alarmed = wording.finding, wording.alarms
         jobs = state.source.daemon.jobs
-        self._asked = Question(lambda: state.source.ask("explain"), jobs.job)
+        self._asked = Question(
+            lambda: state.source.ask("explain"), jobs.job, state.source.without_its_folder
+        )
         self._law = ProposedLaw(state, self.show.refresh, wording.law)
         self.show()
         explaining, running = "Finding what is missing", lambda: self._asked.running or ""

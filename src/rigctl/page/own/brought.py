@@ -148,6 +148,10 @@ def what_is_in(place: Path) -> Brought:
     ]
     if described:
         return Brought(place, campaign=described[0].parent)
+    frames = place / FRAMES
+    if frames.is_dir():
+        # Pictures that were gathered before, from an archive or beside each other.
+        return Brought(place, films=(frames,))
     unpacked = place / "unpacked"
     where = unpacked if unpacked.is_dir() else place
     made = place / MEASURED
@@ -156,11 +160,9 @@ def what_is_in(place: Path) -> Brought:
     films = [path for path in top if path.suffix.lower() in FILM_SUFFIXES]
     pictures = [path for path in top if path.suffix.lower() in PICTURES]
     if len(pictures) > 1:
-        frames = place / FRAMES
-        if frames not in pictures[0].parents:
-            frames.mkdir(exist_ok=True)
-            for path in pictures:
-                path.rename(frames / path.name)
+        frames.mkdir()
+        for path in pictures:
+            path.rename(frames / path.name)
         return Brought(place, films=(frames,))
     if films:
         recordings = {_recording(path): path for path in films}

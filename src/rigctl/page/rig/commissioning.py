@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from nicegui import events, ui
 
+from rigctl.commissioning.answers import NO
 from rigctl.commissioning.gate import Standing
 from rigctl.page.desk import Desk, actor
 from rigctl.page.layout import sheet
@@ -133,7 +134,8 @@ def _why(desk: Desk) -> str:
 def _line(standing: Standing) -> Line:
     step, answer = standing.step, standing.answer
     seen = "" if answer is None else f"seen on {answer.at[:10]} by {', '.join(answer.people)}"
-    look = "holds" if not standing.missing else "fails" if answer is not None else "waits"
+    refused = answer is not None and answer.answer == NO
+    look = "holds" if not standing.missing else "fails" if refused else "waits"
     cells = [
         Cell(f"{MARKS[look]} {step.title}", step.see),
         Cell(str(step.part)),

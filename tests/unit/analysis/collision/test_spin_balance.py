@@ -81,6 +81,18 @@ def test_of_two_spins_as_sure_as_each_other_the_one_that_velocities_contradict_i
     assert contradicted(alike, (BALL, BALL), depth_seen=False) == 1
 
 
+def test_where_velocities_show_nothing_of_a_wrong_turn_no_sphere_is_named_by_chance() -> None:
+    across = 20.0 * np.array([-NORMAL[1], NORMAL[0], 0.0])
+    noise = np.random.default_rng(3)
+    named = set()
+    for _ in range(40):
+        drawn = across + LESS_SURE * noise.standard_normal(3)
+        alike = seen(0.0, drawn, (LESS_SURE, LESS_SURE))
+        assert spins_apart(alike, (BALL, BALL)) > 0.8
+        named.add(contradicted(alike, (BALL, BALL), depth_seen=False))
+    assert named == {None}
+
+
 def test_a_plate_has_no_spin_to_compare_with() -> None:
     wrong = seen(0.0, np.array([20.0, 0.0, 60.0]))
     plate = replace(

@@ -242,6 +242,7 @@ class ShotFilm:
         self._asked = Question(
             lambda: state.source.ask("path", self._effects, shot=self._wanted),
             desk.daemon.jobs.job,
+            state.source.without_its_folder,
         )
         every(LOOK_S, self._follow)
 

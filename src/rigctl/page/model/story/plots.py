@@ -97,7 +97,7 @@ def staircase(labels: Sequence[str], errors: Sequence[Unseen], tried: Unseen | N
         shapes=[] if floor is None else [noise],
         xaxis={
             "tickvals": [k + 0.5 for k in range(len(names))],
-            "ticktext": [_in_lines(name, LETTERS // max(len(names), 2)) for name in names],
+            "ticktext": [_in_lines(name, max(LETTERS // max(len(names), 2), 1)) for name in names],
             "tickangle": 0,
             "range": [0, max(len(names), 2)],
             "zeroline": False,
