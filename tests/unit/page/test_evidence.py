@@ -79,3 +79,11 @@ def test_the_line_of_the_best_size_lies_on_the_dots_at_a_peak_and_at_the_ends(pl
     line = gained(before, after, np.array([place]))
     # The noise of the shots is a third of the peak, and has no part in it.
     assert line[0] == pytest.approx(law(np.array(place)), abs=1.3)
+
+
+def test_an_effect_that_no_cell_shows_by_itself_is_drawn_where_its_curve_is_largest() -> None:
+    rolling = cell("relative orientation b", "time", lambda x: 0.001 * x, 1.0)
+    path = cell("relative position b", "time", lambda x: 0.2 * x, 1.0)
+    spin = cell("common spin b", "ln v_n", lambda x: 0.05 * x, 1.0)
+    for cells in ([rolling, path, spin], [spin, rolling, path]):
+        assert shown(cells, "flight") == ("relative position b", "time")

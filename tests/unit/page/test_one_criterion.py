@@ -18,7 +18,7 @@ from tests.unit.analysis.model.reported import reported
 Json = dict[str, Any]
 CHALLENGES = 200
 NAMES = ("drag", "wind", "magnus-lift")
-POINTS = {"unit": "mm/s", "trend": {"mean": [-3.0, 0.0, 3.0]}}
+POINTS = {"unit": "mm/s", "frames": [-1], "trend": {"mean": [-3.0, 0.0, 3.0]}}
 chance = st.sampled_from([1e-12, 0.004, 0.009, 0.011, 0.04, 0.06, 1.0])
 
 

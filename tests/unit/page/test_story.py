@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import numpy as np
@@ -11,14 +12,16 @@ from analysis.model.verdict.standing import Standing, Word
 from analysis.quantity import Quantity
 from analysis.schema.verdict import Nuisance
 from rigctl.model.known_effects import ALL_EFFECTS, effect_document
-from rigctl.page.model.story.answers import of_the_same
+from rigctl.page.model.story.answers import fell, of_the_same
 from rigctl.page.model.story.cards import HERE, card_of, in_plain
+from rigctl.page.model.story.errors import Unseen
 from rigctl.page.model.story.preview import preview
 from rigctl.page.model.story.words import (
     alarms_in_plain,
     channel,
     compared,
     covariate,
+    fails_where,
     rejected_in_plain,
     where,
 )
@@ -136,8 +139,9 @@ def row(quantity: str, error: float, p: float) -> dict[str, Any]:
 
 def test_a_constant_error_is_called_one_and_a_course_is_told_by_its_ends() -> None:
     cell = {"channel": "common spin n", "covariate": "time", "p_familywise": 1e-9}
-    constant = {"unit": "mrad", "trend": {"mean": [16.0, 17.1, 14.4]}}
-    course = {"unit": "mrad", "trend": {"mean": [-16.0, 0.0, 14.4]}}
+    shots = {"unit": "mrad", "frames": [-1]}
+    constant = shots | {"trend": {"mean": [16.0, 17.1, 14.4]}}
+    course = shots | {"trend": {"mean": [-16.0, 0.0, 14.4]}}
     said = where(cell | {"covariate": "always"}, constant, None)
     assert "wrong in all shots alike, by +15.8 mrad on average" in said
     assert "goes wrong" not in said
@@ -168,3 +172,52 @@ def test_points_after_an_effect_are_those_of_the_same_shots_and_frames_as_before
     same = of_the_same(after, before)
     assert same["residual"] == [1.0, 4.0]
     assert (same["shots"], same["frames"], same["unit"]) == ([3, 8], [1, 1], "mm")
+
+
+def test_what_adding_an_effect_did_is_said_with_digits_that_show_it() -> None:
+    def said(before: float, after: float) -> str:
+        return fell("Air drag", Unseen(before, "×", 1.0), Unseen(after, "×", 1.0))
+
+    assert "falls from 1.60 to 1.012 times the noise. The floor is 1." in said(1.6, 1.0121)
+    near = said(1.0134, 1.0061)
+    assert "falls from 1.013 to 1.006 times the noise. Nothing can do better" in near
+    assert "stays at 1.006 times the noise: too little to tell" in said(1.0061, 1.0059)
+    assert "rises from 1.30 to 1.32 times the noise: too little" in said(1.3, 1.32)
+
+
+def test_an_error_in_the_unit_of_what_was_measured_is_said_to_three_figures() -> None:
+    said = fell("Air drag", Unseen(1.044, "mm", None), Unseen(0.5, "mm", None))
+    assert said.endswith("falls from 1.04 mm to 0.500 mm.")
+
+
+def test_the_bar_of_the_error_holds_its_largest_value_anywhere_on_the_slider() -> None:
+    x = np.linspace(0.0, 1.0, 9)
+    after = {"prediction_error": 1.0, "parameters": {"drag.Cd": {"value": 0.4, "sigma": 0.1}}}
+    found = preview({"prediction_error": 2.4}, after, "drag", (points(x, x), points(x, 0 * x)))
+    assert found is not None
+    most = found.most((-0.2, 0.8))
+    assert most == max(found.at(size) for size in np.linspace(-0.2, 0.8, 50))
+
+
+def test_where_all_shots_together_show_something_no_single_cell_is_named() -> None:
+    weak = {"channel": "common spin b", "covariate": "ln v_n", "p_familywise": 0.4}
+    assert fails_where([weak]) == "in all shots together"
+    assert fails_where([weak | {"p_familywise": 1e-5}]) == "with approach speed"
+    said = where(weak, {"unit": "rad/s", "trend": {"mean": [0.0]}}, Standing(Word.MISSING))
+    assert said.startswith("No cell by itself shows what is missing: only all shots together do.")
+    assert where(weak, {}, Standing(Word.FLOOR)).startswith("No error goes with anything")
+
+
+def test_of_frames_it_is_said_why_the_film_shows_less() -> None:
+    cell = {"channel": "relative position n", "covariate": "always", "p_familywise": 1e-9}
+    frames = {"unit": "mm", "trend": {"mean": [-0.85, -0.85]}, "frames": [0, 1]}
+    assert "In the film of step 1 less of it is seen" in where(cell, frames, None)
+    assert "film" not in where(cell, frames | {"frames": [-1, -1]}, None)
+
+
+def test_the_drawing_of_the_lens_has_its_corners_farther_out_than_its_sides() -> None:
+    drawn = (HERE / "drawings" / "radial-distortion.svg").read_text("utf-8")
+    left = re.findall(r'd="M([0-9.]+) ([0-9.]+)((?:L[0-9. ]+)+)"', drawn)[0]
+    across = [float(left[0]), *(float(x) for x in re.findall(r"L([0-9.]+) ", left[2]))]
+    # As the sentence of a positive size has it: the corners of the picture lie too far out.
+    assert across[0] < across[len(across) // 2] > across[-1]

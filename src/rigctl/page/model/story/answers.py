@@ -22,16 +22,27 @@ from rigctl.page.parts.quantities import EXPECTED
 from rigctl.page.parts.tables import minus, with_error
 from rigctl.page.parts.widgets import plot
 
+LITTLE = 0.995
+"""Of the error: where an effect leaves more than this share, its fall is no larger than chance."""
+
 
 def fell(title: str, before: Unseen, after: Unseen) -> str:
     """Return what adding an effect did to the error."""
-    lead = f"With “{title}” the error on shots that the model has not seen goes from "
+    lead = f"With “{title}” the error on shots that the model has not seen"
+    unit = f" {after.unit}" if after.floor is None else " times the noise"
+    if before.number() == after.number():
+        told = f"{lead} stays at {after.number()}{unit}"
+    else:
+        way = "rises" if after.value > before.value else "falls"
+        first = before.said() if after.floor is None else before.number()
+        told = f"{lead} {way} from {first} to {after.number()}{unit}"
     if after.floor is None:
-        return f"{lead}{before.said()} to {after.said()}."
-    told = f"{lead}{three_figures(before.value)} to {three_figures(after.value)} times the noise"
+        return f"{told}."
+    if after.value > LITTLE * before.value:
+        told += ": too little to tell by this error alone"
     if after.value <= AT_THE_FLOOR:
-        return f"{told}. Nothing can do better: this is the floor."
-    return f"{told}; the floor is 1.00."
+        return f"{told}. Nothing can do better: 1 is the floor, and what lies below it is chance."
+    return f"{told}. The floor is 1."
 
 
 def changed(before: Json, after: Json, card: Card) -> None:

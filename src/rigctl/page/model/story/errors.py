@@ -12,6 +12,9 @@ from dataclasses import dataclass, replace
 from analysis.model.verdict.standing import promised_error
 from rigctl.documents import Json
 
+NEAR_ONE = 1.1
+"""Multiples of the noise below which two that differ would often read alike to three figures."""
+
 
 @dataclass(frozen=True, slots=True)
 class Unseen:
@@ -36,14 +39,26 @@ class Unseen:
         return cls(row["size"], row["unit"], None)
 
     def said(self) -> str:
-        """Return it in words, to three figures."""
-        return f"{three_figures(self.value)} {self.unit}"
+        """Return it in words, with its unit."""
+        return f"{self.number()} {self.unit}"
+
+    def number(self) -> str:
+        """Return it without its unit."""
+        return (three_figures if self.floor is None else decimals_near_one)(self.value)
 
     def sentence(self) -> str:
         """Return how well shots that the fit has not seen are predicted."""
         if self.floor is None:
             return f"Unseen shots are predicted to {self.said()}"
-        return f"The error on unseen shots is {three_figures(self.value)} times the noise"
+        return f"The error on unseen shots is {self.number()} times the noise"
+
+
+def decimals_near_one(value: float) -> str:
+    """Return a multiple of the noise: near the floor with three decimals, so that a fall is seen.
+
+    The slider's script writes it alike.
+    """
+    return f"{value:.3f}" if value < NEAR_ONE else three_figures(value)
 
 
 def three_figures(value: float) -> str:

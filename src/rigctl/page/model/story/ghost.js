@@ -1,4 +1,4 @@
-// Draws a frame of a film with the model's outlines over it; scrubs, plays, and says the gap.
+// Draws a frame of a film with the model's outlines over it; scrubs, plays, and says the error.
 window.ghostFilm = (root, film) => {
   const [scene, slider] = ["svg", "input[type=range]"].map((name) => root.querySelector(name));
   const [ghost, large] = root.querySelectorAll("input[type=checkbox]");
@@ -34,7 +34,7 @@ window.ghostFilm = (root, film) => {
       ${near(x, y, `stroke="${film.looks[sphere]}"`)}${near(x + dx, y + dy, `class="ghost" stroke-dasharray="${5 * thin} ${3 * thin}"`)}
       <line class="between" x1="${px - ux}" y1="${py - uy}" x2="${px + ux}" y2="${py + uy}" stroke-width="${2 * thin}"/></g></svg>
       ${circle(cx, cy, size, `class="rim" fill="none" stroke-width="${film.stroke}"`)}
-      <text x="${cx}" y="${words}" text-anchor="middle" font-size="${text}">${((apart * film.radii[sphere]) / r).toPrecision(2)} mm, ${(size / half).toPrecision(2)} × larger</text></g>`;
+      <text x="${cx}" y="${words}" text-anchor="middle" font-size="${text}">${(size / half).toPrecision(2)} × larger</text></g>`;
   };
   const draw = () => {
     const at = Number(slider.value);
@@ -56,7 +56,7 @@ window.ghostFilm = (root, film) => {
     const gap = frame.gap === null ? "not measured here" : `the model is ${frame.gap.toPrecision(2)} mm off`;
     root.querySelector(".ghost-text").textContent = `${said}: ${gap}.`;
     root.querySelector(".ghost-scale").textContent =
-      ghost.checked && large.checked ? `Gap drawn ${film.times} times as large as it is.` : "";
+      ghost.checked && large.checked ? `Error drawn ${film.times} times as large as it is.` : "";
     slider.setAttribute("aria-valuetext", `${said}, ${gap}`);
   };
   let timer = null;

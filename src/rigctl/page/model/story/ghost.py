@@ -178,7 +178,7 @@ def ghost_film(scene: Scene, shot: int, gap_mm: float) -> None:
         '<p class="ghost-text" data-testid="ghost-text"></p>'
         '<div class="beside"><label><input type="checkbox" checked> model</label>'
         '<label><input type="checkbox" checked data-testid="ghost-large"> '
-        f"gap × {scene.times}</label>"
+        f"error × {scene.times}</label>"
         '<span class="note ghost-scale"></span></div>',
         sanitize=False,
     ).classes("ghost-film")
@@ -217,7 +217,7 @@ def _title(words: str, size: float, down: float) -> str:
     return f'<text x="{size:.2f}" y="{down:.2f}" font-size="{size:.2f}">{words}</text>'
 
 
-FILMED = ("Typical", "Largest gap", "Smallest gap")
+FILMED = ("Typical", "Largest error", "Smallest error")
 """As `analysis.model.agreement.freed` orders its shots."""
 LOOK_S = 0.1
 
@@ -281,7 +281,8 @@ class ShotFilm:
                 self._film()
             ui.label(
                 "Solid: where each sphere was measured. Dashed: where the model, given the flight "
-                "before contact, predicts it. The loupe magnifies the true gap."
+                "before contact, predicts it. The loupe magnifies the true error as this view "
+                "shows it; the number of mm is that of all three directions."
             ).classes("note")
 
     @ui.refreshable_method

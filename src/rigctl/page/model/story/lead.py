@@ -12,12 +12,11 @@ from nicegui import ui
 from analysis.model.structure.findings import ALWAYS
 from analysis.model.verdict.standing import AT_THE_FLOOR
 from rigctl.documents import Json
-from rigctl.page.model.compare import parsed
 from rigctl.page.model.effect_words import in_unit
 from rigctl.page.model.story.cards import Card, card_of
-from rigctl.page.model.story.errors import Unseen
+from rigctl.page.model.story.errors import NEAR_ONE, Unseen
 from rigctl.page.model.story.plots import UNITS_OF_LOGARITHMS, dots_plot, line_plot
-from rigctl.page.model.story.preview import Preview, plainest, preview
+from rigctl.page.model.story.preview import Preview, Shown, plainest, preview, size_among
 from rigctl.page.model.story.where import PLACES
 from rigctl.page.model.story.words import channel, covariate, goes_with
 from rigctl.page.model.where import apart
@@ -149,6 +148,8 @@ READINGS: dict[str, Reading] = {
 }
 
 
+HARDLY_SEEN = 0.3
+"""Of the dots' scatter: a smaller curve is hardly seen among them."""
 FURTHEST = 2.0
 """The slider reaches so many times the best amplitude, and half of it to the other side."""
 STEPS = 100
@@ -170,7 +171,6 @@ def drawing(card: Card) -> None:
 def lead_card(
     effect: Json,
     fits: tuple[Json, Json | None],
-    cell: Json,
     add: Callable[[str], None],
     wait: Callable[[], bool],
 ) -> None:
@@ -180,48 +180,54 @@ def lead_card(
     ----------
     fits
         Without it and with it; None while the second is computed, or if it cannot be.
-    cell
-        Whose points are drawn.
     wait
-        Shows the progress of the second fit in the slider's place; returns whether it runs.
+        Shows the progress of the second fit, in the place of the plot and its slider: which cell
+        shows most of the effect is known with that fit. Returns whether it runs.
     """
     before, after = fits
     card = card_of(effect)
     shown = plainest(before, after, PLACES.get(card.where, ""))
     sums = None
-    points = parsed(cell["points"])
     if shown is not None and after is not None:
-        cell, points, gained = shown
-        sums = preview(before, after, effect["effect"], (points, gained))
+        sums = preview(before, after, effect["effect"], shown[1:])
     with ui.element("div").classes("lead-card").props("data-testid=lead"):
         with ui.element("div").classes("stack"):
             drawing(card)
             _said(card)
         with ui.element("div").classes("stack"):
-            drawn = apart(points)
-            ui.label(f"{channel(cell['channel']).capitalize()}, {goes_with(cell)}").classes(
-                "strong"
-            )
-            with ui.element("div").classes("layers"):
-                plot(dots_plot(cell, drawn, () if sums is None else sums.curve))
-                if sums is not None:
-                    plot(line_plot(cell, drawn, sums.x, sums.curve)).classes("over")
-            ui.label("Dots: what the model lacks. Line: what it gains from this effect.").classes(
-                "note"
-            )
-            if sums is not None:
-                said = said_of(cell, sums, points["unit"], points["x_label"])
+            if shown is not None:
+                _drawn(shown, sums)
+            if shown is not None and sums is not None:
+                said = said_of(shown[0], sums, shown[1]["unit"], shown[1]["x_label"])
                 _slider(card, effect["parameters"][0], sums, said, before)
             elif not wait():
                 ui.label("These shots do not determine its size.").classes("note")
         with ui.element("div").classes("stack outcome"):
-            _gauge(before)
+            _gauge(before, None if sums is None else sums.most(_ends(sums)))
             button(
                 "Add it", lambda: add(card.effect), look="fill", testid=f"add-{card.effect}"
             ).props(f'aria-label="Add {card.title}"')
             if sums is not None:
                 best = button("Set to best", lambda: None, testid="to-best")
                 best.on("click", js_handler="(event) => window.toBest(event.target)")
+
+
+def _drawn(shown: Shown, sums: Preview | None) -> None:
+    """Place the points of a cell, with the line of the effect over them where its size is known."""
+    cell, points, after = shown
+    drawn = apart(points)
+    ui.label(f"{channel(cell['channel']).capitalize()}, {goes_with(cell)}").classes("strong")
+    with ui.element("div").classes("layers"):
+        plot(dots_plot(cell, drawn, () if sums is None else sums.curve))
+        if sums is not None:
+            plot(line_plot(cell, drawn, sums.x, sums.curve)).classes("over")
+    ui.label("Dots: what the model lacks. Line: what it gains from this effect.").classes("note")
+    size = size_among(points, after)
+    if sums is not None and size < HARDLY_SEEN:
+        ui.label(
+            f"The effect is small: here, where it shows most, it is {said(100 * size)} % of the "
+            "dots' scatter. Only all shots together tell it."
+        ).classes("note").props("data-testid=hardly-seen")
 
 
 def _said(card: Card) -> None:
@@ -276,12 +282,13 @@ def _believed(low: float, high: float, ends: Sequence[float], best: float) -> No
 
 def _slider(card: Card, parameter: Json, sums: Preview, said: Json, before: Json) -> None:
     error, (factor, unit) = Unseen.of(before), shown_in(parameter, sums.best)
-    ends = sorted((-0.5 * sums.best, FURTHEST * sums.best))
+    ends = _ends(sums)
     step = (ends[1] - ends[0]) / STEPS
     low, high = parameter["plausible"]
     bounce = before["parameters"].get("e", {}).get("value") or 0.0
     about = {"symbol": parameter["symbol"], "unit": unit, "factor": factor, **said}
-    about |= {"error_unit": error.unit, "floor": error.floor or 0.0}
+    about |= {"error_unit": error.unit, "floor": error.floor or 0.0, "near_one": NEAR_ONE}
+    about |= {"good": _good(error), "most": sums.most(ends)}
     about |= {"believed": [low, high], "low": ends[0], "step": step}
     about["does"] = [sentence_of(card.effect, ends[0] + k * step, bounce) for k in range(STEPS + 1)]
     document = json.dumps({**sums.document(), **about})
@@ -320,13 +327,26 @@ def shown_in(parameter: Json, size: float) -> tuple[float, str]:
     return 1.0, unit
 
 
-def _gauge(before: Json) -> None:
+def _ends(sums: Preview) -> list[float]:
+    """Return the least and the largest amplitude of the slider."""
+    return sorted((-0.5 * sums.best, FURTHEST * sums.best))
+
+
+def _good(error: Unseen) -> float:
+    """Return the error up to which it is drawn as good: none where the floor is not known."""
+    return 0.0 if error.floor is None else AT_THE_FLOOR
+
+
+def _gauge(before: Json, most: float | None) -> None:
+    """Place the error as a bar from 0 to `most`, the largest that the slider leads to."""
     ui.label("error on unseen shots").classes("note")
     error = Unseen.of(before)
-    level = 100 if error.floor is None or error.value > AT_THE_FLOOR else 4
-    ui.html(f'<i style="height: {level}%"></i>', sanitize=False).classes("gauge").props(
-        "aria-hidden=true"
-    )
+    whole = most or error.value
+    look = ' class="good"' if error.value <= _good(error) else ""
+    drawn = f'<i{look} style="height: {100 * error.value / whole:.1f}%"></i>'
+    if error.floor is not None:
+        drawn += f'<b style="bottom: {100 * error.floor / whole:.1f}%"></b>'
+    ui.html(drawn, sanitize=False).classes("gauge").props("aria-hidden=true")
     ui.label(error.said()).classes("gauge-number").props("data-testid=preview-error")
     if error.floor is not None:
-        ui.label("1.00 × is the floor: the noise").classes("note")
+        ui.label("The bar begins at 0; its line is 1, the floor: the noise.").classes("note")

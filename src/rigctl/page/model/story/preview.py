@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
 import numpy as np
@@ -50,7 +51,12 @@ class Preview:
     def at(self, amplitude: float) -> float:
         """Return the error at an amplitude: a parabola in its square, least at the best one."""
         share = 1 - amplitude / self.best
-        return math.sqrt(self.with_it**2 + (self.without**2 - self.with_it**2) * share**2)
+        square = self.with_it**2 + (self.without**2 - self.with_it**2) * share**2
+        return math.sqrt(max(0.0, square))
+
+    def most(self, ends: Sequence[float]) -> float:
+        """Return the largest error of a slider between two ends."""
+        return max(self.with_it, *map(self.at, ends))
 
     def document(self) -> Json:
         """Return it as the browser's slider takes it."""
@@ -97,8 +103,9 @@ def plainest(before: Json, after: Json | None, place: str) -> Shown | None:
     Cells of the place where the effect acts go first, as far as they show something that the
     effect explains: what a contact does to the flights is drawn in the picture more plainly, and
     says less about the contact. Of cells that are explained nearly alike, or alike as far as so
-    many points can tell, the first is what happened, and settings the last. None without a second
-    fit, or if both have no cell in common.
+    many points can tell, the first is what happened, and settings the last. Where no cell shows it
+    by itself, the one in which the curve is largest beside the scatter of the points. None without
+    a second fit, or if both have no cell in common.
 
     Parameters
     ----------
@@ -112,18 +119,30 @@ def plainest(before: Json, after: Json | None, place: str) -> Shown | None:
         if cell["covariate"] != ALWAYS and _name(cell) in after_cells
     ]
     own = [c for c in cells if block_of(c) == place and c["p_familywise"] < SURE]
-    for looked_at, least in ((own, LEAST_SHARE), (cells, -math.inf)):
+    for looked_at in (own, cells):
         shares = {}
         for number, cell in enumerate(looked_at[:LOOKED_AT]):
             points = parsed(cell["points"]), parsed(after_cells[_name(cell)]["points"])
             shares[number] = _explained(*points), (cell, *points)
         most = max((share for share, _ in shares.values()), default=-math.inf)
-        if shares and most >= least:
+        if most >= LEAST_SHARE:
             _, (_, first, _) = max(shares.values(), key=lambda pair: pair[0])
             within = max(NEARLY * abs(most), _unsure(most, len(first["x"])))
             near = [found for share, found in shares.values() if share >= most - within]
             return min(near, key=lambda found: rank_of(found[0]["covariate"]))
-    return None
+    there = [cell for cell in cells if block_of(cell) == place] or cells
+    found = [
+        (cell, *(parsed(one["points"]) for one in (cell, after_cells[_name(cell)])))
+        for cell in there[:LOOKED_AT]
+    ]
+    return max(found, key=lambda one: size_among(*one[1:]), default=None)
+
+
+def size_among(before: Json, after: Json) -> float:
+    """Return how large an effect's curve is beside the scatter of a cell's points, both as rms."""
+    scatter = float(np.std(before["residual"]))
+    curve = gained(before, after, np.asarray(before["x"]))
+    return float(np.std(curve)) / scatter if scatter > 0 else 0.0
 
 
 def _unsure(share: float, count: int) -> float:

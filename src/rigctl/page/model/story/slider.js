@@ -4,22 +4,22 @@ window.slidePreview = (slider, sums) => {
   slider.frame = requestAnimationFrame(() => {
     const amplitude = Number(slider.value);
     const share = amplitude / sums.best;
-    const error = Math.sqrt(
-      sums.with_it ** 2 + (sums.without ** 2 - sums.with_it ** 2) * (1 - share) ** 2,
-    );
+    const square = sums.with_it ** 2 + (sums.without ** 2 - sums.with_it ** 2) * (1 - share) ** 2;
+    const error = Math.sqrt(Math.max(0, square));
     const panel = slider.closest(".lead-card");
     const plot = panel.querySelector(".js-plotly-plot.over");
     if (plot) window.Plotly.restyle(plot, { y: [sums.curve.map((y) => y * share)] }, [0]);
-    const most = Math.max(sums.without, sums.with_it) - sums.floor;
-    const level = Math.min(1, Math.max(0, (error - sums.floor) / (most || 1)));
-    const errorSaid = `${error >= 1000 ? error.toFixed(0) : error.toPrecision(3)} ${sums.error_unit}`;
+    const close = sums.floor && error < sums.near_one;
+    const number = close ? error.toFixed(3) : error >= 1000 ? error.toFixed(0) : error.toPrecision(3);
+    const errorSaid = `${number} ${sums.error_unit}`;
     const size = Number((amplitude * sums.factor).toPrecision(3));
     const said = `${sums.symbol} = ${size}${sums.unit}`.replace("-", "−");
     const outside = amplitude < sums.believed[0] || amplitude > sums.believed[1];
-    panel.querySelector(".gauge > i").style.height = `${100 * level}%`;
-    const number = panel.querySelector(".gauge-number");
-    number.textContent = errorSaid;
-    number.classList.toggle("good", level < 0.02);
+    const bar = panel.querySelector(".gauge > i");
+    bar.style.height = `${(100 * error) / sums.most}%`;
+    const shown = panel.querySelector(".gauge-number");
+    shown.textContent = errorSaid;
+    for (const part of [bar, shown]) part.classList.toggle("good", error <= sums.good);
     const amount = panel.querySelector(".amplitude");
     amount.textContent = outside && share !== 0 ? `▲ ${said}, beyond what is believed` : said;
     amount.classList.toggle("fails", outside && share !== 0);

@@ -22,7 +22,7 @@ from rigctl.page.model.story.where import WhereItFails
 from rigctl.page.model.story.words import (
     compared,
     failing,
-    goes_with,
+    fails_where,
     missing_words,
 )
 from rigctl.page.parts.choosing import Choice
@@ -207,7 +207,7 @@ class Story:
     def _third(self) -> None:
         if (found := self._shown) is not None:
             self._title(3, "What is missing")
-            self._missing(found, found["findings"][0])
+            self._missing(found)
 
     @ui.refreshable_method
     def _fourth(self) -> None:
@@ -249,7 +249,7 @@ class Story:
         first, last = Unseen.of(path[0]), Unseen.of(path[-1])
         results = (
             ("Compare", worst_of(found, worst)),
-            ("Where it fails", goes_with(found["findings"][0]) if fails else "nowhere"),
+            ("Where it fails", fails_where(found["findings"]) if fails else "nowhere"),
             ("What is missing", in_plain(missing_words(standing))),
             ("Add it", f"{first.said()} → {last.said()}" if len(path) > 1 else "not yet"),
         )
@@ -263,19 +263,19 @@ class Story:
                         ui.label(name).classes("strong")
                         ui.label(result).classes("note")
 
-    def _missing(self, found: Json, cell: Json) -> None:
+    def _missing(self, found: Json) -> None:
         known, seen, standing = described(found), self._seen(found), self._state.standing
         if not self._effect:
             _lede("No effect that is known would change anything in these shots.", "story-missing")
             return
         lede = f"None of {len(seen)} effects stands out. The best of them:"
         if standing is not None and standing.missing:
-            lede = "Move the slider until the line lies on the dots."
+            lede = "Move the slider: the line among the dots and the error follow."
         elif standing is not None and standing.word is Word.UNEXPLAINED:
             lede = f"None of {len(seen)} effects explains it. The best of them:"
         _lede(lede, "story-missing")
         fits = found, self._after
-        lead_card(known[self._effect], fits, cell, self._add, self._wait)
+        lead_card(known[self._effect], fits, self._add, self._wait)
         like: list[str] = next((c["like"] for c in seen if c["effect"] == self._effect), [])
         alike = [c for c in seen if c["effect"] in like]
         others = [c for c in seen if c not in alike and c["effect"] != self._effect][:OTHERS]

@@ -14,7 +14,7 @@ from rigctl.documents import Json
 from rigctl.page.model.compare import parsed
 from rigctl.page.model.story.bars import Bar, bars
 from rigctl.page.model.story.plots import cell_plot
-from rigctl.page.model.story.words import channel, goes_with, heading, where
+from rigctl.page.model.story.words import asks, channel, goes_with, heading, where
 from rigctl.page.model.where import apart, block_of, undetermined
 from rigctl.page.parts.choosing import Choice, press
 from rigctl.page.parts.widgets import plot, redraw
@@ -142,6 +142,10 @@ def _look(*words: tuple[str, bool]) -> str:
     return f' class="{found}"' if found else ""
 
 
+ASKED = (
+    "Dots: what is left of each frame, on top of the change that the frames ask for when place, "
+    "speed and moment of contact of each shot may go along with it."
+)
 CELLS = 6
 PLACES = {"at the bounce": "contact", "in the air": "flight", "in the camera": "camera"}
 """Parts of the way in which cells are disturbed, by the words of the effects that act there."""
@@ -231,6 +235,7 @@ class WhereItFails:
                 self._plot = plot(self._figure())
                 self._plot.on("plotly_click", self._on_point).props("data-testid=story-points")
                 ui.label("Click a dot: the film above shows its shot, ringed here.").classes("note")
+                self._meant = ui.label(ASKED).classes("note")
                 self._unsaid = ui.label().classes("note")
                 self._say_undetermined()
 
@@ -251,7 +256,9 @@ class WhereItFails:
 
     def _say_undetermined(self) -> None:
         cell = self._cells.chosen
-        said = "" if cell is None else undetermined(parsed(cell["points"]))
+        points = None if cell is None else parsed(cell["points"])
+        self._meant.set_visibility(points is not None and asks(points))
+        said = "" if points is None else undetermined(points)
         self._unsaid.set_text(said)
         self._unsaid.set_visibility(bool(said))
 
@@ -260,7 +267,7 @@ class WhereItFails:
         if cell is None:
             return {}
         points = parsed(cell["points"])
-        trend = points["trend"]["x"], points["trend"]["mean"]
+        trend = (points["trend"]["x"], points["trend"]["mean"]) if _is_sure(cell) else ((), ())
         return cell_plot(cell, apart(points), trend, self._filmed())
 
     def _offer(self) -> None:
@@ -281,7 +288,8 @@ class WhereItFails:
             place_map(cells, at, lambda place: self._choose(cells[place]))
             ui.label(
                 "Number: how surely the error of the row changes with the column, in standard "
-                "deviations; a dot: not at all. Click one, or use the arrow keys."
+                "deviations; a dot: not at all. Framed: the cell whose points are drawn. Click "
+                "another, or use the arrow keys."
             ).classes("note")
 
     @ui.refreshable_method
@@ -312,6 +320,11 @@ class WhereItFails:
         shot = points[0].get("customdata") if points else None
         if shot is not None:
             self._to_film(int(shot))
+
+
+def _is_sure(cell: Json) -> bool:
+    """Return whether a line through a cell's points shows more than chance."""
+    return bool(cell["p_familywise"] < SURE)
 
 
 def _bar(cell: Json, most: float) -> Bar:

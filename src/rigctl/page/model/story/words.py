@@ -138,6 +138,12 @@ def goes_with(finding: Json) -> str:
     return f"with {covariate(finding['covariate'])}"
 
 
+def fails_where(findings: Sequence[Json]) -> str:
+    """Return what the error goes with, in some words, where something is said to be missing."""
+    first = findings[0]
+    return goes_with(first) if first["p_familywise"] < SURE else "in all shots together"
+
+
 def in_words(finding: Json) -> str:
     """Return the name of a finding in plain words."""
     return f"the {channel(finding['channel'])}, {goes_with(finding)}"
@@ -249,6 +255,11 @@ def where(cell: Json, points: Json, standing: Standing | None) -> str:
     Where the model is not said to miss anything, no cell is said to show that it does.
     """
     if cell["p_familywise"] >= SURE:
+        if standing is not None and standing.is_open:
+            return (
+                "No cell by itself shows what is missing: only all shots together do. Here "
+                f"the {channel(cell['channel'])} looks like noise."
+            )
         return "No error goes with anything that was recorded: what is left looks like noise."
     if standing is not None and not standing.is_open:
         return (
@@ -256,18 +267,30 @@ def where(cell: Json, points: Json, standing: Standing | None) -> str:
             "say that something is missing."
         )
     mean, unit = np.asarray(points["trend"]["mean"]), points["unit"]
+    asked = f" {MAKES_UP}" if asks(points) else ""
     if cell["covariate"] == ALWAYS:
         return (
             f"The {channel(cell['channel'])} is wrong in all shots alike, by "
-            f"{_signed(mean.mean())} {unit} on average."
+            f"{_signed(mean.mean())} {unit} on average.{asked}"
         )
     places = {"first": 0, "middle": len(mean) // 2, "last": len(mean) - 1}
     least, middle, most = (_beside(mean[place], unit) for place in places.values())
     first, last = ENDS.get(cell["covariate"], ("where it is least", "where it is most"))
     return (
         f"The {channel(cell['channel'])} goes wrong with the {covariate(cell['covariate'])}. "
-        f"Measured is {least} {first}, {middle} in the middle, {most} {last}."
+        f"Measured is {least} {first}, {middle} in the middle, {most} {last}.{asked}"
     )
+
+
+MAKES_UP = (
+    "In the film of step 1 less of it is seen: place, speed and moment of contact are fitted to "
+    "each shot, and make up for most of it."
+)
+
+
+def asks(points: Json) -> bool:
+    """Return whether points are of frames, whose curve stands for what the shots' numbers hide."""
+    return any(frame >= 0 for frame in points["frames"])
 
 
 def _beside(value: float, unit: str) -> str:
