@@ -204,7 +204,7 @@ _ALL = (
         "magnus-lift",
         1.0,
         "1",
-        "lift in units of that of a rough ball",
+        "share of the lift that the coefficient of sports balls gives",
         "air",
         _field("lift"),
         faint=True,

@@ -55,10 +55,23 @@ def test_a_newcomer_is_led_from_an_empty_store_to_thirty_shots(page: Page, serve
 def test_a_guide_that_is_hidden_stays_hidden_until_it_is_asked_for(
     page: Page, served: Served
 ) -> None:
-    guide = page.get_by_test_id("guide")
+    guide, welcome = page.get_by_test_id("guide"), page.get_by_test_id("welcome")
     expect(guide).to_be_visible()
+    page.evaluate("window.drawnOnce = true")
     page.get_by_test_id("hide-guide").click()
     expect(guide).to_have_count(0)
+    expect(welcome).to_have_count(0)
+    page.get_by_test_id("show-guide").click()
+    expect(guide).to_be_visible()
+    expect(welcome).to_be_visible()
+    keys = page.locator("#keys")
+    expect(keys).to_be_hidden()
+    page.get_by_test_id("show-guide").click()
+    expect(keys).to_be_visible()
+    keys.get_by_role("button", name="Close").click()
+    page.get_by_test_id("hide-guide").click()
+    expect(guide).to_have_count(0)
+    assert page.evaluate("window.drawnOnce")
     for place in ("/", "/sweeps"):
         page.goto(served.url + place)
         page.wait_for_function("window.did_handshake")

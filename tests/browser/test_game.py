@@ -35,7 +35,12 @@ def test_a_level_is_made_played_with_a_hint_and_scored(page: Page, served: Serve
     page.get_by_test_id("story-compare").wait_for(timeout=LONG_MS)
     expect(page.get_by_test_id("game")).to_have_text("Level 1: One plain effect. 24 shots.")
     page.get_by_test_id("answer").fill("none")
-    page.get_by_role("option", name="Nothing (none)", exact=True).click()
+    # The level says that something is hidden.
+    expect(page.get_by_role("option", name="Nothing (none)", exact=True)).to_have_count(0)
+    page.get_by_test_id("answer").fill("pressure-leak")
+    page.get_by_role(
+        "option", name="Pressure leaks while waiting (pressure-leak)", exact=True
+    ).click()
     page.keyboard.press("Escape")
     # A hint leaves the answer as far as it is given.
     page.get_by_test_id("take-hint").click()
@@ -43,14 +48,16 @@ def test_a_level_is_made_played_with_a_hint_and_scored(page: Page, served: Serve
     expect(page.get_by_test_id("hint")).to_contain_text("Hint: Look ")
     choose(page, "sure", "90%")
     page.get_by_test_id("commit").click()
+    expect(page.get_by_test_id("ask-again")).to_contain_text("90 % sure")
     page.get_by_role("button", name="Commit", exact=True).click()
     page.get_by_test_id("reveal").click()
     expect(page.get_by_test_id("truth")).to_contain_text("Wrong.")
     # Nothing found, a hint for 20, and 25 (1 - 4 * 0.9²) = -56 for being sure and wrong.
     expect(page.get_by_test_id("score")).to_have_text("Level 1, -76 points")
+    expect(page.get_by_test_id("score")).to_be_in_viewport()
     assert faults(page) == []
     sides = page.get_by_test_id("side-by-side").locator("section")
     expect(sides.nth(0)).to_contain_text("What was hidden")
-    expect(sides.nth(1)).to_contain_text("Nothing")
+    expect(sides.nth(1)).to_contain_text("Pressure leaks while waiting")
     page.goto(f"{served.url}/model")
     expect(page.get_by_test_id("challenges")).to_contain_text("level 1, 24 shots: −76 points")

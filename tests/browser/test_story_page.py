@@ -43,7 +43,7 @@ def test_a_hidden_effect_is_moved_added_and_kept_by_a_reload(page: Page, served:
     slider = page.get_by_test_id("amount")
     slider.wait_for(timeout=LONG_MS)
     expect(page.get_by_test_id("story-compare")).to_contain_text("times the noise")
-    expect(page.get_by_test_id("guide-text")).to_contain_text("Below stands the verdict")
+    expect(page.get_by_test_id("guide-text")).to_contain_text("add it, and the error falls")
     card = page.get_by_test_id("lead")
     expect(card).to_contain_text("The mirror is not at 45°")
     assert card.locator("math").count() == 1
@@ -73,6 +73,7 @@ def test_a_hidden_effect_is_moved_added_and_kept_by_a_reload(page: Page, served:
     expect(page.get_by_test_id("story-added")).to_contain_text("The mirror is not at 45°")
     assert asked(sent[before:]) != []
     expect(page.get_by_test_id("story-added")).to_contain_text(f"to {predicted} times")
+    expect(page.get_by_test_id("guide-text")).to_contain_text("found and added")
     assert page.evaluate("location.search").endswith(f"effects={HIDDEN}&view=story")
     page.reload()
     expect(page.get_by_test_id("story-added")).to_contain_text(

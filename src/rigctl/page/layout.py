@@ -11,7 +11,6 @@ from nicegui import events, ui
 
 from rigctl.page.desk import Desk, actor
 from rigctl.page.guide.rail import Rail
-from rigctl.page.guide.wish import switch
 from rigctl.page.parts.asking import ask_reason
 from rigctl.page.parts.keys import keys
 from rigctl.page.parts.presence import come_back, every
@@ -77,10 +76,10 @@ def sheet(desk: Desk, title: str, place: str) -> Iterator[Rail]:
         contrast = ui.button(icon="contrast", on_click=partial(_turn, dark), color=None)
         contrast.props('flat round dense aria-label="dark or light"').classes("quiet contrast")
         contrast.tooltip("dark or light")
-        guide = ui.button(icon="help_outline", on_click=lambda: switch(shown=True), color=None)
-        guide.props('flat round dense aria-label="show the guide" data-testid=show-guide')
+        guide = ui.button(icon="help_outline", color=None)
+        guide.props('flat round dense aria-label="guide and keys" data-testid=show-guide')
         guide.classes("quiet help").tooltip(
-            "what this is and what to do, step by step; the key ? lists the keys"
+            "the guide: what this is and what to do, step by step; where it is shown, the keys"
         )
         stop = button("Stop", lambda: desk.stop("the page's button"), look="stop", testid="stop")
         stop.tooltip("Emergency stop: cuts the power of every actuator now. Key: Ctrl + .")
@@ -103,7 +102,9 @@ def sheet(desk: Desk, title: str, place: str) -> Iterator[Rail]:
     every(TICK_S, show)
     with ui.element("div").classes("sheet deaf") as below:
         ui.html(escape(title), sanitize=False, tag="h1").classes("unseen")
-        yield Rail(desk)
+        rail = Rail(desk)
+        guide.on_click(rail.asked)
+        yield rail
     for part in (header, banner, below):
         _hear_once_connected(part)
 

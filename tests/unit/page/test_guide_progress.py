@@ -8,8 +8,20 @@ from typing import Any
 
 import pytest
 
+from analysis.model.verdict.standing import Word
 from rigctl.config import Limits
-from rigctl.page.guide.rail import COMPARE, FIRE, OVER, READ, SWEEP, first_words, progress_of
+from rigctl.page.guide.rail import (
+    COMPARE,
+    COMPARED,
+    FIRE,
+    OVER,
+    READ,
+    SWEEP,
+    Found,
+    first_words,
+    progress_of,
+)
+from rigctl.page.model.pages import found_of
 from rigctl.page.sweeps.broad import broad_sweep
 from rigctl.rig.states import RigState
 from rigctl.store import CampaignRecord, ShotState
@@ -24,30 +36,45 @@ def campaign(name: str, measured: int, refused: int = 0) -> CampaignRecord:
 
 
 def test_an_empty_store_asks_for_a_shot() -> None:
-    assert progress_of([], any_measured=False, compared=False).step == FIRE
+    assert progress_of([], any_measured=False).step == FIRE
 
 
 @pytest.mark.parametrize("refused", [1, 2, 9])
 def test_refused_shots_alone_are_nothing_to_read_or_sweep(refused: int) -> None:
     known = [campaign("first", 0, refused)]
-    assert progress_of(known, any_measured=False, compared=False).step == FIRE
+    assert progress_of(known, any_measured=False).step == FIRE
 
 
 @pytest.mark.parametrize(
     ("measured", "step"), [(1, READ), (2, SWEEP), (19, SWEEP), (20, COMPARE), (120, COMPARE)]
 )
 def test_measured_shots_lead_on(measured: int, step: int) -> None:
-    found = progress_of([campaign("first", measured)], any_measured=True, compared=False)
+    found = progress_of([campaign("first", measured)], any_measured=True)
     assert (found.step, found.campaign, found.measured) == (step, "first", measured)
 
 
 def test_the_campaign_with_most_measured_shots_is_the_one_that_is_compared() -> None:
     known = [campaign("small", 3, 90), campaign("large", 40), campaign("other", 5)]
-    assert progress_of(known, any_measured=True, compared=False).campaign == "large"
+    assert progress_of(known, any_measured=True).campaign == "large"
 
 
-def test_whoever_has_compared_is_through_wherever_the_shots_came_from() -> None:
-    assert progress_of([], any_measured=False, compared=True).step == OVER
+@pytest.mark.parametrize(
+    ("word", "added", "step", "said"),
+    [
+        (Word.MISSING, False, COMPARE, "add it, and the error falls"),
+        (Word.MISSING, True, COMPARE, "Something more is still missing"),
+        (Word.FLOOR, True, OVER, "found and added"),
+        (Word.ALIKE, True, OVER, "found and added"),
+        (Word.FLOOR, False, OVER, "what these shots show"),
+        (Word.UNEXPLAINED, True, OVER, "what these shots show"),
+    ],
+)
+def test_the_last_step_is_done_once_nothing_is_left_to_add(
+    word: Word, added: bool, step: int, said: str
+) -> None:
+    found = found_of(word, added=added)
+    assert progress_of([], any_measured=False, found=found).step == step
+    assert said in COMPARED[found]
 
 
 @pytest.mark.parametrize(
@@ -71,12 +98,12 @@ def test_the_guide_says_what_is_done_with_the_first_shot_just_now(
 
 @pytest.mark.parametrize(("fired_here", "done"), [(True, [1, 2, 3, 4]), (False, [4])])
 def test_steps_that_nobody_took_here_are_not_called_done(fired_here: bool, done: list[int]) -> None:
-    over = progress_of([], any_measured=fired_here, compared=True)
+    over = progress_of([], any_measured=fired_here, found=Found.ENDED)
     assert [step for step in range(1, 5) if over.is_done(step)] == done
 
 
 def test_a_shot_without_a_campaign_is_read_too() -> None:
-    assert progress_of([], any_measured=True, compared=False).step == READ
+    assert progress_of([], any_measured=True).step == READ
 
 
 def limits(**ranges: tuple[float, float]) -> Limits:

@@ -5,8 +5,15 @@ from __future__ import annotations
 import pytest
 
 from rigctl.challenge import HiddenEffect
+from rigctl.game import Game
 from rigctl.jobs.duration import Wait
-from rigctl.page.model.challenge_panel import beside_truth, hidden_size
+from rigctl.page.model.challenge_panel import (
+    answer_from,
+    beside_truth,
+    choices,
+    hidden_size,
+    question,
+)
 from rigctl.page.model.compare import is_unexpected
 from rigctl.page.parts.waiting import said_of
 
@@ -48,3 +55,25 @@ def test_hidden_and_answered_sizes_are_said_by_what_they_do() -> None:
     assert hidden_size(hidden, 0.74) == "Friction at 5 m/s is 16 % more than at 1 m/s. Size: 0.1."
     unknown = HiddenEffect(effect="warmth", amplitude=-0.1, unit="1/K", meaning="change of e")
     assert hidden_size(unknown, 0.74) == "Size: −0.1 1/K (change of e)."
+
+
+def test_a_hidden_lift_is_said_as_its_share_of_a_sports_ball_s() -> None:
+    hidden = HiddenEffect(effect="magnus-lift", amplitude=1.0, unit="1", meaning="share")
+    said = "The air pushes a spinning sphere aside 1 times as hard as it does a sports ball."
+    assert hidden_size(hidden, 0.74) == f"{said} Size: 1."
+
+
+def test_an_answer_begins_with_what_was_added_and_is_asked_for_with_how_sure_one_is() -> None:
+    assert answer_from(["drag", "one-of-my-own"]) == ["drag"]
+    assert question(["drag"], 0.7) == "Commit to “Air drag”, 70 % sure?"
+    assert question(["drag"], None) == "Commit to “Air drag”?"
+
+
+@pytest.mark.parametrize(
+    ("level", "offers_nothing"), [(1, False), (2, True), (3, False), (4, False), (5, True)]
+)
+def test_nothing_is_an_answer_only_where_the_level_says_that_it_may_be(
+    level: int, offers_nothing: bool
+) -> None:
+    assert ("none" in choices(Game(level, 60))) is offers_nothing
+    assert "drag" in choices(Game(level, 60))

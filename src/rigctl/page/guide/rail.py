@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from enum import Enum, auto
 
 from nicegui import context, ui
 
 from rigctl.page.desk import Desk
-from rigctl.page.guide.wish import keep, switch, wanted
+from rigctl.page.guide.wish import keep, wanted
 from rigctl.page.parts.following import following
+from rigctl.page.parts.keys import list_keys
 from rigctl.page.parts.widgets import button
 from rigctl.page.sweeps.broad import broad_sweep
 from rigctl.page.sweeps.form import form_address
@@ -30,6 +32,21 @@ FIRE, READ, SWEEP, COMPARE = range(1, len(STEPS) + 1)
 OVER = len(STEPS) + 1
 
 
+class Found(Enum):
+    """What the comparison on this page has come to.
+
+    `waits`: no answer yet. `missing`: an effect would lower the error, and none was added.
+    `more`: one was added, and another would lower it further. `ended`: nothing that could be added
+    is left; `explained`: so with what was added.
+    """
+
+    WAITS = auto()
+    MISSING = auto()
+    MORE = auto()
+    ENDED = auto()
+    EXPLAINED = auto()
+
+
 @dataclass(frozen=True, slots=True)
 class Progress:
     """Where the visit stands.
@@ -44,6 +61,8 @@ class Progress:
         Its measured shots, and all of them.
     elsewhere
         Whether what was compared was fired elsewhere: no shot of this rig is measured.
+    found
+        What the comparison has come to.
     """
 
     step: int
@@ -51,6 +70,7 @@ class Progress:
     measured: int = 0
     fired: int = 0
     elsewhere: bool = False
+    found: Found = Found.WAITS
 
     def is_done(self, step: int) -> bool:
         """Say whether a step was taken here."""
@@ -58,7 +78,7 @@ class Progress:
 
 
 def progress_of(
-    campaigns: Sequence[CampaignRecord], *, any_measured: bool, compared: bool
+    campaigns: Sequence[CampaignRecord], *, any_measured: bool, found: Found = Found.WAITS
 ) -> Progress:
     """Return where the visit stands.
 
@@ -68,11 +88,12 @@ def progress_of(
         Of the store.
     any_measured
         Whether any shot is measured, of a campaign or of none.
-    compared
-        Whether a campaign stands beside its model on this page.
+    found
+        What the comparison of a campaign with its model, on this page, has come to.
     """
-    if compared:
-        return Progress(OVER, elsewhere=not any_measured)
+    if found is not Found.WAITS:
+        step = COMPARE if found in {Found.MISSING, Found.MORE} else OVER
+        return Progress(step, elsewhere=not any_measured, found=found)
     counted = [(one.states.get(ShotState.ANALYSED, 0), one) for one in campaigns]
     measured, best = max(counted, key=lambda pair: pair[0], default=(0, None))
     if best is None:
@@ -116,6 +137,15 @@ LOOK_S = 0.5
 CAMPAIGN = "first"
 SWEEPS = "/sweeps"
 RUNS = frozenset({SweepState.RUNNING, SweepState.PAUSED})
+COMPARED = {
+    Found.MISSING: "Something is missing in the model. Step 3 below says what would explain it: "
+    "add it, and the error falls.",
+    Found.MORE: "That is added. Something more is still missing: look again at step 3 below.",
+    Found.ENDED: "The verdict below says what these shots show, and what they cannot.",
+    Found.EXPLAINED: "What was missing is found and added: the verdict below says how far the "
+    "error fell.",
+}
+"""What to do once a campaign stands beside its model, by what that has come to."""
 
 
 class Rail:
@@ -129,39 +159,66 @@ class Rail:
 
     def __init__(self, desk: Desk) -> None:
         self._desk, self._place = desk, context.client.request.url.path
-        self._compared, self._heard = False, -1
-        if not wanted():
-            return
-        self._now = self._stand()
-        if self._place == "/":
-            with ui.element("div").classes("claim"):
-                ui.label("Shoot two spheres at each other.")
-                ui.label("Find the law of physics that the model forgot.")
-        self._show()
+        self._found, self._heard, self._shown = Found.WAITS, -1, wanted()
+        self._more: list[Callable[[], object]] = []
+        self._now = self._stand() if self._shown else Progress(FIRE)
+        with ui.element("div").classes("stack wide") as self._box:
+            self._show()
+        self._box.set_visibility(self._shown)
         following(LOOK_S, self._follow)
 
-    def over(self) -> None:
-        """Say that a campaign stands beside its model; from the next page on the guide is gone."""
-        if not wanted() or self._compared:
+    def with_it(self, place: Callable[[], None]) -> None:
+        """Have `place` put something here whenever the guide is shown, and take it away with it."""
+
+        @ui.refreshable
+        def shown() -> None:
+            if self._shown:
+                place()
+
+        shown()
+        self._more.append(shown.refresh)
+
+    def asked(self) -> None:
+        """Bring the guide back; list the keys where it is shown. Nothing else is drawn anew."""
+        if self._shown:
+            list_keys()
+        else:
+            self._switch(shown=True)
+
+    def compared(self, found: Found) -> None:
+        """Say what the comparison on this page has come to; at its end the guide goes.
+
+        It is gone from the next page on.
+        """
+        if found is self._found:
             return
-        self._compared = True
-        self._now = self._stand()
+        self._found = found
+        if self._shown:
+            self._now = self._stand()
+            self._show.refresh()
+            if self._now.step == OVER:
+                keep(shown=False)
+
+    def _switch(self, *, shown: bool) -> None:
+        self._shown, self._now = shown, self._stand()
+        keep(shown=shown)
+        self._box.set_visibility(shown)
         self._show.refresh()
-        if self._now.step == OVER:
-            keep(shown=False)
+        for draw in self._more:
+            draw()
 
     def _stand(self) -> Progress:
         self._heard = self._desk.feed.told
         now = progress_of(
             self._desk.feed.shared("campaigns", self._desk.daemon.store.campaigns.all),
             any_measured=any_measured(self._desk),
-            compared=self._compared,
+            found=self._found,
         )
         # Who is at the form of a sweep has read the shot.
         return replace(now, step=SWEEP) if now.step == READ and self._place == SWEEPS else now
 
     def _follow(self) -> None:
-        if self._heard == self._desk.feed.told:
+        if not self._shown or self._heard == self._desk.feed.told:
             return
         if (now := self._stand()) == self._now:
             self._say()
@@ -175,6 +232,12 @@ class Rail:
 
     @ui.refreshable_method
     def _show(self) -> None:
+        if not self._shown:
+            return
+        if self._place == "/":
+            with ui.element("div").classes("claim"):
+                ui.label("Shoot two spheres at each other.")
+                ui.label("Find the law of physics that the model forgot.")
         with ui.element("section").classes("guide").props('aria-label="guide" data-testid=guide'):
             with ui.element("ol").classes("way"):
                 for number, (name, about) in enumerate(STEPS, start=1):
@@ -185,7 +248,7 @@ class Rail:
                 self._button()
                 hide = button(
                     "I know the rig: hide the guide",
-                    lambda: switch(shown=False),
+                    lambda: self._switch(shown=False),
                     look="line tab",
                     testid="hide-guide",
                 )
@@ -219,15 +282,11 @@ class Rail:
                 f"{now.measured} {are} measured of “{now.campaign}”. From {ENOUGH} on they are "
                 "compared; all thirty say more."
             )
-        if now.step == COMPARE:
-            return (
-                f"{now.measured} shots are measured. Now hold them against the model: where it is "
-                "wrong, something is missing in it."
-            )
-        way = "These shots are" if now.elsewhere else "That was the whole way: fired, measured,"
+        if now.found is not Found.WAITS:
+            return COMPARED[now.found]
         return (
-            f"{way} compared. Below stands the verdict, then where the model fails and what is "
-            "missing: add it in step 3, and the error falls."
+            f"{now.measured} shots are measured. Now hold them against the model: where it is "
+            "wrong, something is missing in it."
         )
 
     def _met(self) -> str:
@@ -251,7 +310,7 @@ class Rail:
         elif now.step == COMPARE and not self._place.startswith("/model/"):
             _lead("Compare with the model", f"/model/{now.campaign}")
         elif now.step == OVER:
-            _lead("Then: take a challenge", "/model", look="line tab")
+            _lead("Take a challenge", "/model")
 
     def _thirty(self) -> str:
         limits, name = self._desk.daemon.configuration.limits, self._now.campaign
@@ -264,8 +323,8 @@ class Rail:
         return any(sweep.state in RUNS for sweep in found)
 
 
-def _lead(text: str, address: str, look: str = "fill") -> None:
-    button(text, lambda: ui.navigate.to(address), look=look, testid="guide-next")
+def _lead(text: str, address: str) -> None:
+    button(text, lambda: ui.navigate.to(address), look="fill", testid="guide-next")
 
 
 def any_measured(desk: Desk) -> bool:

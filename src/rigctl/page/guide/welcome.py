@@ -10,15 +10,14 @@ from nicegui import ui
 
 from rigctl.page.desk import Desk
 from rigctl.page.guide.rail import any_measured
-from rigctl.page.guide.wish import wanted
 
 HERE = Path(__file__).parent
 MEASURES = (
     (
         "bounce",
         "Bounce e",
-        "Speed of parting over speed of approach, along the line of centres. 1 loses nothing, 0 "
-        "sticks.",
+        "Speed of parting over speed of approach, along the line of centres. 1 loses nothing; at "
+        "0 they do not part.",
     ),
     (
         "spin-back",
@@ -67,9 +66,7 @@ def rig_drawing(desk: Desk) -> None:
 
 
 def welcome(desk: Desk) -> None:
-    """Place what a hit is, what is measured and where numbers come from; nothing if not wanted."""
-    if not wanted():
-        return
+    """Place what a hit is, what is measured and where numbers come from."""
     configuration = desk.daemon.configuration
     with ui.element("div").classes("columns third").props("data-testid=welcome"):
         with ui.element("section").classes("panel"):

@@ -18,9 +18,3 @@ def keep(*, shown: bool) -> None:
     """Remember in this browser whether the guide is shown from the next page on."""
     value, age = ("", 0) if shown else (HIDDEN, YEAR_S)
     ui.run_javascript(f'document.cookie = "{COOKIE}={value}; path=/; max-age={age}; SameSite=Lax"')
-
-
-def switch(*, shown: bool) -> None:
-    """Remember it and draw the page anew."""
-    keep(shown=shown)
-    ui.run_javascript("location.reload()")

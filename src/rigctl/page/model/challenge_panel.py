@@ -52,18 +52,23 @@ def reveal_beside(
     answer: Sequence[str],
     outcome: challenge.Outcome,
     fitted: Mapping[str, Json],
+    played: game.Game | None = None,
 ) -> None:
-    """Place the outcome, and side by side what was hidden and what was answered.
+    """Place the outcome with its points, and side by side what was hidden and what was answered.
 
     Parameters
     ----------
     fitted
         Parameters of the fit by `effect.symbol`, in the catalogue's order.
+    played
+        The game; None where it is played without points.
     """
     look = "good" if outcome in {"right", "alias"} else "bad"
     with ui.element("div").classes(f"verdict {look}").props("data-testid=truth"):
         ui.label(OUTCOMES[outcome]).classes("lead")
         ui.label(f"The truth is: {in_titles(label.answer)}.")
+    if played is not None:
+        score_of(played, game.score(played, outcome))
     known = cards()
     bounce = fitted.get("e", {}).get("value") or 0.0
     with ui.element("div").classes("columns half").props("data-testid=side-by-side"):
@@ -157,6 +162,8 @@ class ChallengePanel:
         self._state, self._look = state, look
         self._folder = state.source.folder
         self._game = None if self._folder is None else game.game_of(self._folder)
+        self._given: ui.select | None = None
+        self._filled: list[str] = []
         if self._folder is not None and (self._folder / challenge.PUBLIC).is_file():
             with ui.element("div").classes("panel").props("data-testid=challenge"):
                 self._show()
@@ -181,10 +188,17 @@ class ChallengePanel:
         ).classes("note")
         with ui.element("div").classes("stack"):
             self._hint()
-        names = {name: f"{NOTHING[name]} ({name})" for name in challenge.ALONE}
-        names |= {effect.name: named(effect.name) for effect in ALL_EFFECTS}
+        self._filled = answer_from(self._state.effects)
+        names = choices(self._game)
         with ui.element("div").classes("beside"):
-            given = ui.select(names, multiple=True, label="What is hidden?", with_input=True)
+            given = ui.select(
+                names,
+                multiple=True,
+                value=list(self._filled),
+                label="What is hidden?",
+                with_input=True,
+            )
+            self._given = given
             given.props("outlined dense use-chips data-testid=answer").style(
                 "min-width: min(420px, 100%)"
             )
@@ -195,6 +209,13 @@ class ChallengePanel:
                 "Commit …", lambda: self._ask(list(given.value)), look="fill", testid="commit"
             )
             commit.bind_enabled_from(given, "value", bool)
+
+    def follow(self) -> None:
+        """Fill in what was added to the model, unless somebody has changed the answer by hand."""
+        if self._given is None or list(self._given.value) != self._filled:
+            return
+        self._filled = answer_from(self._state.effects)
+        self._given.set_value(list(self._filled))
 
     @ui.refreshable_method
     def _hint(self) -> None:
@@ -247,16 +268,16 @@ class ChallengePanel:
             # Nothing of it is in the page before.
             fitted = (self._state.path() or [{}])[-1].get("parameters", {})
             with truth.classes("stack"):
-                reveal_beside(label, answer, outcome, fitted)
-                if self._game is not None:
-                    _score(self._game, game.score(self._game, outcome))
+                reveal_beside(label, answer, outcome, fitted, self._game)
             breaking.set_visibility(False)
+            ui.run_javascript(f"getHtmlElement({truth.id}).scrollIntoView()")
 
         breaking = button("Break the seal", reveal, look="fill", testid="reveal")
 
     def _ask(self, names: list[str]) -> None:
+        sure = None if self._game is None else float(self._sure.value)
         ask_again(
-            f"Commit to {in_titles(names)}?",
+            question(names, sure),
             "The answer is written once: it can neither be changed nor taken back.",
             "Commit",
             lambda: self._commit(names),
@@ -273,7 +294,28 @@ class ChallengePanel:
         except RigError as error:
             ui.notify(error.sentence(), type="negative", multi_line=True)
             return
+        self._given = None
         self._show.refresh()
+
+
+def choices(played: game.Game | None) -> dict[str, str]:
+    """Return what an answer may name; a level that hides known effects offers them alone."""
+    known = {effect.name: named(effect.name) for effect in ALL_EFFECTS}
+    if played is not None and played.level in game.COUNTED:
+        return known
+    return {name: f"{NOTHING[name]} ({name})" for name in challenge.ALONE} | known
+
+
+def answer_from(effects: Sequence[str]) -> list[str]:
+    """Return the effects that were added as far as an answer may name them."""
+    known = {effect.name for effect in ALL_EFFECTS}
+    return [name for name in effects if name in known]
+
+
+def question(names: Sequence[str], sure: float | None) -> str:
+    """Return what is asked before the answer is written."""
+    how = "" if sure is None else f", {100 * sure:.0f} % sure"
+    return f"Commit to {in_titles(names)}{how}?"
 
 
 def _choice(label: str, options: Mapping[Any, str], value: object, testid: str) -> ui.select:
@@ -282,7 +324,7 @@ def _choice(label: str, options: Mapping[Any, str], value: object, testid: str) 
     return placed.style("min-width: min(220px, 100%)")
 
 
-def _score(played: game.Game, points: game.Score) -> None:
+def score_of(played: game.Game, points: game.Score) -> None:
     """Place the points and where they come from."""
     sure = "not said" if played.sure is None else f"{played.sure:.0%}"
     lines = [

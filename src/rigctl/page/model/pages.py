@@ -7,10 +7,11 @@ from collections.abc import Callable
 from nicegui import ui
 
 from analysis.errors import counted
+from analysis.model.verdict.standing import Word
 from rigctl.documents import Json
 from rigctl.errors import RigError
 from rigctl.page.desk import Desk
-from rigctl.page.guide.rail import Rail
+from rigctl.page.guide.rail import Found, Rail
 from rigctl.page.layout import sheet
 from rigctl.page.model.challenge_maker import ChallengeMaker
 from rigctl.page.model.challenge_panel import ChallengePanel
@@ -69,11 +70,11 @@ class ModelView:
         with self._steps.last:
             self._next = NextShots(desk, self._state)
             told = self._steps.look_at if isinstance(self._steps, Story) else None
-            ChallengePanel(self._state, told)
+            self._challenge = ChallengePanel(self._state, told)
         if self._state.present is not None:
             # Known from before: no answer will come that has it drawn.
             self._rest = True
-            guide.over()
+            self._tell()
         # Heard by the page: the button is drawn anew again and again, and a key could meet none.
         ui.on("undo", self._undo)
         following(LOOK_S, self._follow)
@@ -101,9 +102,16 @@ class ModelView:
         self._verdict.show.refresh()
         self._failed.refresh()
         self._steps.show()
+        self._challenge.follow()
         self._rest = True
-        if self._state.present is not None:
-            self._guide.over()
+        self._tell()
+
+    def _tell(self) -> None:
+        """Have the guide say what the comparison has come to."""
+        if self._state.present is not None and self._state.standing is not None:
+            self._guide.compared(
+                found_of(self._state.standing.word, added=bool(self._state.effects))
+            )
 
     def _take(self, effects: tuple[str, ...]) -> None:
         self._state.take(effects)
@@ -178,6 +186,13 @@ class ModelView:
             with ui.element("div").classes("verdict bad").props("data-testid=failure"):
                 ui.label(self._state.source.without_its_folder(self._state.failure))
                 button("Ask again", lambda: self._take(self._state.effects))
+
+
+def found_of(word: Word, *, added: bool) -> Found:
+    """Return what a comparison has come to, by what is said of the model with what was added."""
+    if word is Word.MISSING:
+        return Found.MORE if added else Found.MISSING
+    return Found.EXPLAINED if added and word in {Word.FLOOR, Word.ALIKE} else Found.ENDED
 
 
 def left_out_of(found: Json, source: Source) -> dict[int, str]:

@@ -23,15 +23,19 @@
     at.focus({ preventScroll: true });
     return true;
   };
+  // Not as a modal window: the stop can be pressed while the list is open.
+  window.listKeys = () => {
+    const help = document.getElementById("keys");
+    if (help.open) help.close();
+    else help.show();
+  };
   document.addEventListener("keydown", (event) => {
     const help = document.getElementById("keys");
     if (event.ctrlKey || event.altKey || event.metaKey || typed(event.target)) return;
     if (document.querySelector(".q-dialog")) return;
     let done = false;
     if (event.key === "?") {
-      // Not as a modal window: the stop can be pressed while the list is open.
-      if (help.open) help.close();
-      else help.show();
+      window.listKeys();
       done = true;
     } else if (event.key === "Escape" && help?.open) {
       help.close();

@@ -25,6 +25,11 @@ def to_step(step: int) -> str:
     return f"window.toStep({step})"
 
 
+def list_keys() -> None:
+    """Open the list of keys, as the key `?` does; a second press closes it."""
+    ui.run_javascript("window.listKeys()")
+
+
 def keys() -> None:
     """Have the page hear its keys, and place the list of them, closed."""
     script = Path(__file__).with_name("keys.js").read_text("utf-8")

@@ -23,7 +23,11 @@ class Quantity:
 
 
 COEFFICIENTS = {
-    "e": Quantity("bounce e", "", "Normal restitution, -v_n′ / v_n: 1 loses nothing, 0 sticks."),
+    "e": Quantity(
+        "bounce e",
+        "",
+        "Normal restitution, -v_n′ / v_n: 1 loses nothing; at 0 the spheres do not part.",
+    ),
     "beta": Quantity(
         "spin-back β",
         "",

@@ -35,7 +35,7 @@ def rig_page(desk: Desk) -> None:
 
     @kept_page("/")
     def page(fill: str = "") -> None:
-        with sheet(desk, "Rig", "/"):
+        with sheet(desk, "Rig", "/") as guide:
             for warning in desk.daemon.rig.status().warnings:
                 ui.label(warning).classes("verdict bad")
             with ui.element("div").classes("columns rig"):
@@ -48,7 +48,7 @@ def rig_page(desk: Desk) -> None:
                     with ui.element("div").classes("panel"):
                         last.beside()
                     _events(desk.feed)
-            welcome(desk)
+            guide.with_it(lambda: welcome(desk))
 
 
 class LastShot:

@@ -111,6 +111,9 @@ READINGS: dict[str, Reading] = {
     ),
     "drag": lambda c, _: f"Its drag coefficient is {said(c)}; a smooth sphere has 0.40 to 0.45",
     "buoyancy": lambda b, _: f"Spheres fall {said(0.16 * b)} % too slowly",
+    "magnus-lift": lambda k, _: (
+        f"The air pushes a spinning sphere aside {said(k)} times as hard as it does a sports ball"
+    ),
     "spin-decay": lambda k, _: (
         f"The air slows the spin {said(k)} times as much as it slows a sphere that turns in still "
         "air"
