@@ -27,6 +27,7 @@ def cell(
         points = {
             "shots": list(range(1, 41)),
             "frames": [frame] * 40,
+            "x_label": covariate,
             "x": x.tolist(),
             "residual": residual.tolist(),
             "trend": {"x": [-1.0, 1.0], "mean": [mean, mean]},

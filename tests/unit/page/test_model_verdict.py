@@ -50,18 +50,18 @@ def test_where_no_number_stands_out_all_is_well() -> None:
 def test_a_cell_that_stands_out_says_where() -> None:
     lead, rest, good = sentence([found(row=1e-9, cell=1e-4, effect=1e-6)])
     assert (lead, good) == ("Something is missing.", False)
-    assert "most in spin n against time. drag lowers it most" in rest
+    assert "most surely in spin n against time. drag lowers it most" in rest
 
 
 def test_a_mean_that_stands_out_is_named_as_one() -> None:
     _, rest, _ = sentence([found(row=1e-9, cell=1e-4, effect=1e-6, covariate="always")])
-    assert "most in spin n, mean of all shots." in rest
+    assert "most surely in spin n, mean of all shots." in rest
 
 
 def test_a_quantity_that_disagrees_is_named_where_no_cell_stands_out() -> None:
     _, rest, good = sentence([found(row=1e-9, added="wind")])
     assert not good
-    assert "most in normal velocity, and no effect that is known explains it" in rest
+    assert "most surely in normal velocity, and no effect that is known explains it" in rest
 
 
 def test_an_effect_already_in_the_model_is_not_offered_again() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from typing import Any
 
@@ -15,13 +16,19 @@ from rigctl.model.known_effects import ALL_EFFECTS, effect_document
 from rigctl.page.model.story.answers import fell, of_the_same
 from rigctl.page.model.story.cards import HERE, card_of, in_plain
 from rigctl.page.model.story.errors import Unseen
+from rigctl.page.model.story.lead import turning
+from rigctl.page.model.story.plots import cell_plot
+from rigctl.page.model.story.points import points_of
 from rigctl.page.model.story.preview import preview
 from rigctl.page.model.story.words import (
     alarms_in_plain,
     channel,
     compared,
     covariate,
+    failing,
     fails_where,
+    looked_at,
+    quantity,
     rejected_in_plain,
     where,
 )
@@ -221,3 +228,62 @@ def test_the_drawing_of_the_lens_has_its_corners_farther_out_than_its_sides() ->
     across = [float(left[0]), *(float(x) for x in re.findall(r"L([0-9.]+) ", left[2]))]
     # As the sentence of a positive size has it: the corners of the picture lie too far out.
     assert across[0] < across[len(across) // 2] > across[-1]
+
+
+def test_a_place_is_drawn_in_mm_and_a_time_in_ms_but_a_logarithm_as_it_is() -> None:
+    def drawn(label: str) -> tuple[str, float, float]:
+        said = {"x_label": label, "x": [0.02], "trend": {"x": [0.01], "mean": [1.0]}}
+        found = points_of({"points": json.dumps(said)})
+        return found["x_label"], found["x"][0], found["trend"]["x"][0]
+
+    assert drawn("position X in the field, m") == ("position X in the field, mm", 20.0, 10.0)
+    assert drawn("time from contact, s") == ("time from contact, ms", 20.0, 10.0)
+    speed = "ln(v_n / (m/s)), approach speed before contact"
+    assert drawn(speed) == (speed, 0.02, 0.01)
+
+
+def test_the_order_of_firing_has_its_first_and_last_shot_at_the_ends_of_the_axis() -> None:
+    said = {"unit": "mm/s", "shots": [1, 2], "frames": [-1, -1], "residual": [1.0, 2.0]}
+    said |= {"x_label": "order of firing, first to last", "x": [-0.5, 0.5]}
+    axis = cell_plot({"covariate": "always"}, said, ([], []))["layout"]["xaxis"]
+    assert (axis["tickvals"], axis["ticktext"]) == ([-0.5, 0.5], ["first shot", "last shot"])
+    assert axis["title"]["text"] == "order of firing"
+
+
+def test_the_line_of_a_preview_bends_nowhere_where_there_is_no_dot() -> None:
+    x = np.array([0.0, 0.1, 0.2, 7.8, 7.9, 8.0])
+    after = {"prediction_error": 1.0, "parameters": {"drag.Cd": {"value": 0.4, "sigma": 0.1}}}
+    found = preview({"prediction_error": 2.4}, after, "drag", (points(x, x**2), points(x, 0 * x)))
+    assert found is not None
+    assert set(found.x) <= set(x.tolist())
+
+
+def test_a_course_is_told_by_its_ends_and_by_a_dip_between_them() -> None:
+    assert turning([0.5, 0.6, 0.8, 1.0]) == [0, 3]
+    assert turning([0.5, -3.0, 0.8, 1.0]) == [0, 1, 3]
+    assert turning([0.5, 1.01, 0.8, 1.0]) == [0, 3]
+
+
+def test_a_pose_before_contact_and_one_after_it_have_names_of_their_own() -> None:
+    stages = [
+        {"stage": f"{when} contact", "quantities": [row("position a", error, 0.4)]}
+        for when, error in (("before", 1.1), ("after", 1.4))
+    ]
+    assert [quantity(one) for one in failing({"stages": stages})] == [
+        "place of sphere a, after contact",
+        "place of sphere a, before contact",
+    ]
+    assert compared({"stages": stages}).endswith(
+        "Highest stands the place of sphere a, after contact, at 1.4 times its noise: chance alone "
+        "may do that."
+    )
+
+
+def test_effects_that_these_shots_no_longer_tell_are_counted_as_such() -> None:
+    names = ("drag", "wind", "buoyancy", "adhesion")
+    found = {"with": ["drag"], "candidates": [{"effect": name} for name in names]}
+    assert looked_at(found, 2) == (
+        "2 known effects that are not in the model yet would change something here. 1 more would "
+        "not beside what was added: these shots do not tell them."
+    )
+    assert looked_at({**found, "with": []}, 4) == "4 known effects would change something here."

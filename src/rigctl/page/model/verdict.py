@@ -169,7 +169,7 @@ def sentence(
     found, standing = path[-1], standing_of(path, concluded, tried)
     error = Unseen.of(found).sentence()
     added = " and ".join(found["with"])
-    where = f"most in {_worst(failing_rows(found), found['findings'], finding)}"
+    where = f"most surely in {_worst(failing_rows(found), found['findings'], finding)}"
     match standing.word:
         case Word.FEW:
             return "Too few shots to tell.", f"{error}; {too_few(found['shots'])}", None

@@ -16,7 +16,7 @@ from rigctl.page.model.story.errors import Unseen, three_figures
 from rigctl.page.model.story.plots import before_after
 from rigctl.page.model.story.preview import plainest
 from rigctl.page.model.story.where import PLACES
-from rigctl.page.model.story.words import channel, sized
+from rigctl.page.model.story.words import channel, quantity, sized
 from rigctl.page.model.where import BY_POINT, apart
 from rigctl.page.parts.quantities import EXPECTED
 from rigctl.page.parts.tables import minus, with_error
@@ -89,6 +89,9 @@ def law(found: Json, before: Json | None = None) -> None:
     with ui.element("div").classes("law").props("data-testid=law"):
         for name, (title, meaning) in NAMES.items():
             value = found["parameters"].get(name)
+            if value is None and name == "beta0" and found["with"]:
+                _replaced(title, meaning, _was(before, name))
+                continue
             if value is None or value["value"] is None:
                 continue
             unexpected = is_unexpected(value, EXPECTED[name])
@@ -103,6 +106,17 @@ def law(found: Json, before: Json | None = None) -> None:
                     ui.label(
                         minus(f"believed from {low:g} to {high:g}: something missing may hide here")
                     ).classes("note fails")
+
+
+def _replaced(title: str, meaning: str, was: str) -> None:
+    """Say in the place of a number of the law that the law which was added has none of it."""
+    with ui.element("div").tooltip(meaning):
+        ui.label(title).classes("note")
+        ui.label("none").classes("law-value")
+        ui.label(
+            f"{f'was {was}; ' if was else ''}the law that was added turns the sliding round by "
+            "what the surfaces do while they touch, not by a fixed share"
+        ).classes("note")
 
 
 def _was(before: Json | None, name: str) -> str:
@@ -130,14 +144,14 @@ def error_bars(rows: Sequence[Json], *, estimated: bool) -> None:
     if estimated:
         # As multiples of a scatter that is taken for the noise all errors would be about 1.
         for row in rows:
-            ui.label(f"{channel(row['quantity'])}: {sized(row)}").classes("strong")
+            ui.label(f"{quantity(row)}: {sized(row)}").classes("strong")
         return
     # From the floor on, in steps of equal ratio: nothing is drawn for what is only noise.
     most = math.log(max(LEAST_SPAN, *(row["error"] for row in rows)))
     bars(
         [
             Bar(
-                channel(row["quantity"]),
+                quantity(row),
                 math.log(max(1.0, row["error"])) / most,
                 f"{three_figures(row['error'])} ×",
                 fails=row["p_familywise"] < SURE,
@@ -152,6 +166,8 @@ def counted(rows: Sequence[Json]) -> None:
     """Say how many quantities disagree, and how the bars are read."""
     wrong = sum(row["p_familywise"] < SURE for row in rows)
     ui.label(
-        f"{wrong} of {len(rows)} quantities disagree. Error on shots that the model has not seen, "
-        "as a multiple of the noise; bars begin at 1, the floor. Green may be chance alone."
+        f"{wrong} of {len(rows)} quantities disagree. Each bar is the error of one quantity by "
+        "itself on shots that the model has not seen, as a multiple of its noise; the verdict's is "
+        "that of all together. Bars begin at 1, the floor, and are logarithmic: one twice as long "
+        "stands for the square. Green may be chance alone."
     ).classes("note")

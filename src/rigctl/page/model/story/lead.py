@@ -151,6 +151,8 @@ READINGS: dict[str, Reading] = {
 }
 
 
+FARTHER = 0.1
+"""Of its ends' height and difference: a curve that goes farther beyond them has a peak or a dip."""
 HARDLY_SEEN = 0.3
 """Of the dots' scatter: a smaller curve is hardly seen among them."""
 FURTHEST = 2.0
@@ -251,7 +253,8 @@ def _said(card: Card) -> None:
 def said_of(cell: Json, sums: Preview, unit: str, label: str) -> Json:
     """Return the words with which the slider describes what an amplitude changes."""
     name = cell["covariate"]
-    ends = [math.exp(x) if name.startswith("ln ") else x for x in (sums.x[0], sums.x[-1])]
+    at = turning(sums.curve)
+    places = [math.exp(x) if name.startswith("ln ") else x for x in (sums.x[k] for k in at)]
     in_unit_of, plain = unit_of(label), covariate(name).partition(" (")[0]
     if name in UNITS_OF_LOGARITHMS:
         in_unit_of = f" {UNITS_OF_LOGARITHMS[name]}".rstrip()
@@ -259,8 +262,32 @@ def said_of(cell: Json, sums: Preview, unit: str, label: str) -> Json:
         "row": channel(cell["channel"]),
         "row_unit": unit,
         "always": name == ALWAYS,
-        "ends": [f"{plain} {minus(f'{end:.3g}')}{in_unit_of}" for end in ends],
+        "told": [
+            [
+                k,
+                _shot_said(k, sums)
+                if name == "order"
+                else f"{plain} {minus(f'{x:.3g}')}{in_unit_of}",
+            ]
+            for k, x in zip(at, places, strict=True)
+        ],
     }
+
+
+def _shot_said(place: int, sums: Preview) -> str:
+    """Return which shot a place in the order of firing is."""
+    ends = {0: "the first shot", len(sums.x) - 1: "the last shot"}
+    return ends.get(place, "a shot between")
+
+
+def turning(curve: Sequence[float]) -> list[int]:
+    """Return the places of a curve that tell its course: both ends, and a peak or dip between."""
+    last = len(curve) - 1
+    ends = (curve[0], curve[last])
+    room = FARTHER * (max(ends) - min(ends)) + FARTHER * max(map(abs, ends))
+    away = [max(y - max(ends), min(ends) - y) for y in curve]
+    most = max(range(len(curve)), key=away.__getitem__)
+    return [0, most, last] if away[most] > room else [0, last]
 
 
 def unit_of(label: str) -> str:

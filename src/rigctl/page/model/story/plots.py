@@ -8,6 +8,7 @@ from textwrap import wrap
 
 from analysis.figures.palette import FAILS, FLOOR, GREY, MEASURED
 from analysis.model.structure.findings import ALWAYS
+from analysis.model.structure.layout import covariate_label
 from rigctl.documents import Json
 from rigctl.page.model.story.errors import Unseen
 from rigctl.page.model.story.words import covariate
@@ -15,6 +16,7 @@ from rigctl.page.parts.plots import WIDEST_LABEL, figure
 
 HEIGHT = 320
 LEAST_TICKS = 3
+ORDER_LABEL = covariate_label("order")
 LETTERS = 30
 """Of the names of all treads of the staircase, beside each other on a telephone."""
 UNITS_OF_LOGARITHMS = {"ln v_n": "m/s", "ln v_s/v_n": ""}
@@ -137,7 +139,7 @@ def _plot(traces: list[Json], cell: Json, points: Json, line: Sequence[float] = 
         xaxis={
             "title": {"text": _axis(cell, points).replace(" (", "<br>(")},
             "range": [left - beside, right + beside],
-            **_ticks(cell, left - beside, right + beside),
+            **_ticks(cell, points, left - beside, right + beside),
             "zeroline": False,
         },
         yaxis={
@@ -175,6 +177,8 @@ def _ring(x: list[float], y: list[float], *, by_shot: bool) -> Json:
 def _axis(cell: Json, points: Json) -> str:
     """Return the covariate in plain words with its unit, as the label of the points states it."""
     label = str(points["x_label"])
+    if label == ORDER_LABEL:
+        return covariate("order")
     _, comma, unit = label.rpartition(", ")
     if cell["covariate"] == ALWAYS:
         return label
@@ -185,8 +189,15 @@ def _axis(cell: Json, points: Json) -> str:
     return f"{plain}, {unit}" if comma else plain
 
 
-def _ticks(cell: Json, left: float, right: float) -> Json:
-    """Return the ticks of a logarithm at round numbers of what it is taken of; else nothing."""
+def _ticks(cell: Json, points: Json, left: float, right: float) -> Json:
+    """Return the ticks of a logarithm at round numbers of what it is taken of; else nothing.
+
+    Of the order of firing they are the first shot and the last.
+    """
+    if points["x_label"] == ORDER_LABEL:
+        # Its places are shares of the campaign, from minus a half on: no number that is read.
+        ends = [min(points["x"]), max(points["x"])]
+        return {"tickvals": ends, "ticktext": ["first shot", "last shot"]}
     if cell["covariate"] not in UNITS_OF_LOGARITHMS:
         return {}
     decades = range(-4, 4)

@@ -12,8 +12,8 @@ from analysis.arrays import Floats
 from analysis.model.structure.findings import ALWAYS, rank_of
 from analysis.model.verdict.standing import SURE
 from rigctl.documents import Json
-from rigctl.page.model.compare import parsed
 from rigctl.page.model.story.errors import Unseen
+from rigctl.page.model.story.points import points_of
 from rigctl.page.model.where import block_of
 
 POINTS = 60
@@ -36,7 +36,8 @@ class Preview:
     best, sigma
         Amplitude of the full fit and its standard error.
     x, curve
-        What the model gains at the best amplitude, at `POINTS` places.
+        What the model gains at the best amplitude, at places that have dots: where there are
+        none between, the line is straight. At most `POINTS` of them.
     without, with_it
         Error on unseen shots, as `Unseen` states it.
     """
@@ -81,7 +82,7 @@ def preview(before: Json, after: Json, effect: str, points: tuple[Json, Json]) -
         return None
     first = points[0]
     span = first["x"] if _by_shot(first) else first["trend"]["x"]
-    x = np.linspace(min(span), max(span), POINTS)
+    x = _among(span)
     curve = gained(*points, x)
     return Preview(
         best=found["value"],
@@ -122,7 +123,7 @@ def plainest(before: Json, after: Json | None, place: str) -> Shown | None:
     for looked_at in (own, cells):
         shares = {}
         for number, cell in enumerate(looked_at[:LOOKED_AT]):
-            points = parsed(cell["points"]), parsed(after_cells[_name(cell)]["points"])
+            points = points_of(cell), points_of(after_cells[_name(cell)])
             shares[number] = _explained(*points), (cell, *points)
         most = max((share for share, _ in shares.values()), default=-math.inf)
         if most >= LEAST_SHARE:
@@ -132,7 +133,7 @@ def plainest(before: Json, after: Json | None, place: str) -> Shown | None:
             return min(near, key=lambda found: rank_of(found[0]["covariate"]))
     there = [cell for cell in cells if block_of(cell) == place] or cells
     found = [
-        (cell, *(parsed(one["points"]) for one in (cell, after_cells[_name(cell)])))
+        (cell, *(points_of(one) for one in (cell, after_cells[_name(cell)])))
         for cell in there[:LOOKED_AT]
     ]
     return max(found, key=lambda one: size_among(*one[1:]), default=None)
@@ -179,6 +180,14 @@ def gained(before: Json, after: Json, at: Floats) -> Floats:
     x = np.asarray(before["x"])[here]
     gain = np.asarray(before["residual"])[here] - np.asarray(after["residual"])[there]
     return np.array([_line_at(x, gain, place) for place in at])
+
+
+def _among(places: Sequence[float]) -> Floats:
+    """Return places in their order, each once; of many `POINTS`, with both ends."""
+    found = np.unique(places)
+    if len(found) <= POINTS:
+        return found
+    return np.asarray(found[np.linspace(0, len(found) - 1, POINTS).round().astype(int)])
 
 
 def _by_shot(points: Json) -> bool:

@@ -27,11 +27,10 @@ window.slidePreview = (slider, sums) => {
       const change = Number((y * share).toPrecision(2));
       return change === 0 ? "0" : `${change < 0 ? "−" : "+"}${Math.abs(change)}`;
     };
-    const last = sums.curve.length - 1;
+    const told = sums.told.map(([k, at]) => `by ${signed(sums.curve[k])} ${sums.row_unit} at ${at}`);
     const moves = sums.always
       ? `The ${sums.row} changes by ${signed(sums.curve[0])} ${sums.row_unit} in all shots.`
-      : `The ${sums.row} changes by ${signed(sums.curve[0])} ${sums.row_unit} at ${sums.ends[0]}` +
-      ` and by ${signed(sums.curve[last])} ${sums.row_unit} at ${sums.ends[1]}.`;
+      : `The ${sums.row} changes ${told.slice(0, -1).join(", ")} and ${told.at(-1)}.`;
     const does = sums.does[Math.round((amplitude - sums.low) / sums.step)] || "";
     panel.querySelector(".effect-text").textContent = does || moves;
     panel.querySelector(".does").textContent = does ? moves : "";

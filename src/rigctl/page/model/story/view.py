@@ -23,6 +23,7 @@ from rigctl.page.model.story.words import (
     compared,
     failing,
     fails_where,
+    looked_at,
     missing_words,
 )
 from rigctl.page.parts.choosing import Choice
@@ -49,6 +50,7 @@ class Story:
         self._standing: Standing | None = None
         self._effect, self._waits = "", ""
         self._is_behind = self._is_before = False
+        self._goes_to: int | None = None
         self._known, self._late = 0, self._fourth
         self._turners: dict[int, Choice[bool]] = {}
         self._film = ShotFilm(desk, state, self._film_chosen)
@@ -113,6 +115,10 @@ class Story:
             self._late.refresh()
             self._second.refresh()
             self._draw()
+            if self._goes_to is not None:
+                # What stands above it has been drawn anew, and is not as high as it was.
+                ui.run_javascript(to_step(self._goes_to))
+                self._goes_to = None
         elif fitted:
             self._draw()
 
@@ -287,7 +293,8 @@ class Story:
                     "below it."
                 ).classes("note")
                 self._cards(alike, found)
-        ui.label(f"Also looked at, of {len(seen)} effects").classes("strong")
+        ui.label("Also looked at").classes("strong")
+        ui.label(looked_at(found, len(seen))).classes("note")
         self._cards(others, found)
         left_out(found)
 
@@ -351,6 +358,7 @@ class Story:
         ui.label(f"{floor}{looked}").classes("note")
 
     def _add(self, name: str) -> None:
+        self._goes_to = 4
         self._take((*self._state.effects, name))
         ui.run_javascript(to_step(4))
 

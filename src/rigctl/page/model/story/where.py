@@ -11,9 +11,9 @@ from nicegui import events, ui
 from analysis.model.structure.findings import ALWAYS
 from analysis.model.verdict.standing import SURE, Standing
 from rigctl.documents import Json
-from rigctl.page.model.compare import parsed
 from rigctl.page.model.story.bars import Bar, bars
 from rigctl.page.model.story.plots import cell_plot
+from rigctl.page.model.story.points import points_of
 from rigctl.page.model.story.words import asks, channel, goes_with, heading, where
 from rigctl.page.model.where import apart, block_of, undetermined
 from rigctl.page.parts.choosing import Choice, press
@@ -242,7 +242,7 @@ class WhereItFails:
     @ui.refreshable_method
     def _told(self) -> None:
         if (cell := self._cells.chosen) is not None:
-            said = where(cell, parsed(cell["points"]), self._standing)
+            said = where(cell, points_of(cell), self._standing)
             ui.label(said).classes("lede").props("data-testid=story-where")
 
     def ring(self) -> None:
@@ -256,7 +256,7 @@ class WhereItFails:
 
     def _say_undetermined(self) -> None:
         cell = self._cells.chosen
-        points = None if cell is None else parsed(cell["points"])
+        points = None if cell is None else points_of(cell)
         self._meant.set_visibility(points is not None and asks(points))
         said = "" if points is None else undetermined(points)
         self._unsaid.set_text(said)
@@ -266,7 +266,7 @@ class WhereItFails:
         cell = self._cells.chosen
         if cell is None:
             return {}
-        points = parsed(cell["points"])
+        points = points_of(cell)
         trend = (points["trend"]["x"], points["trend"]["mean"]) if _is_sure(cell) else ((), ())
         return cell_plot(cell, apart(points), trend, self._filmed())
 
@@ -288,8 +288,8 @@ class WhereItFails:
             place_map(cells, at, lambda place: self._choose(cells[place]))
             ui.label(
                 "Number: how surely the error of the row changes with the column, in standard "
-                "deviations; a dot: not at all. Framed: the cell whose points are drawn. Click "
-                "another, or use the arrow keys."
+                "deviations, whatever its size; a dot: not at all. Framed: the cell whose points "
+                "are drawn. Click another, or use the arrow keys."
             ).classes("note")
 
     @ui.refreshable_method

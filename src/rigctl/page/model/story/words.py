@@ -104,6 +104,17 @@ def channel(name: str) -> str:
     return CHANNELS.get(plain, plain.replace("_", " "))
 
 
+TWICE = ("position ", "orientation ")
+"""Of the poses, which are measured before contact and after it: two rows with one name each."""
+
+
+def quantity(row: Json) -> str:
+    """Return what a row of agreement is about, in plain words; of poses also when."""
+    name, stage = str(row["quantity"]), str(row.get("stage", ""))
+    is_pose = name.startswith(TWICE) and stage.endswith("contact")
+    return f"{channel(name)}, {stage}" if is_pose else channel(name)
+
+
 def covariate(name: str) -> str:
     """Return what an error goes with in plain words; unknown columns keep their own."""
     return COVARIATES.get(name, name.replace("_", " "))
@@ -151,8 +162,16 @@ def in_words(finding: Json) -> str:
 
 def failing(found: Json) -> list[Json]:
     """Return all rows of agreement: those that fail first, the worst in units of the noise."""
-    rows = [row for stage in found["stages"] for row in stage["quantities"]]
+    rows = [
+        {**row, "stage": stage.get("stage", "")}
+        for stage in found["stages"]
+        for row in stage["quantities"]
+    ]
     return sorted(rows, key=lambda row: (row["p_familywise"] >= SURE, -row["error"]))
+
+
+HIGH = 1.2
+"""Multiple of the noise from which a quantity that agrees is named: its bar stands out."""
 
 
 def compared(found: Json, standing: Standing | None = None) -> str:
@@ -161,20 +180,27 @@ def compared(found: Json, standing: Standing | None = None) -> str:
     if found.get("estimated"):
         worst = failing(found)[0]
         return (
-            f"The model predicts the {channel(worst['quantity'])} to {sized(worst)}. "
+            f"The model predicts the {quantity(worst)} to {sized(worst)}. "
             f"No errors are stated, so they are taken from the scatter; whether "
             "that is noise, step 2 shows."
         )
     if not wrong:
-        return (
+        highest = failing(found)[0]
+        said = (
             "Everything that was measured agrees with the model, as far as the noise lets one see."
+        )
+        if highest["error"] <= HIGH:
+            return said
+        return (
+            f"{said} Highest stands the {quantity(highest)}, at {highest['error']:.3g} times its "
+            "noise: chance alone may do that."
         )
     worst = wrong[0]
     if standing is not None and standing.word is Word.FLOOR:
         rest = "alone stands" if len(wrong) == 1 else f"and {len(wrong) - 1} more stand"
         return (
             "Over everything together the model errs no more than the noise. Of "
-            f"{len(failing(found))} quantities the {channel(worst['quantity'])} {rest} out, by "
+            f"{len(failing(found))} quantities the {quantity(worst)} {rest} out, by "
             f"{sized(worst)}: {worst['error']:.3g} times its noise."
         )
     rest = (
@@ -183,7 +209,7 @@ def compared(found: Json, standing: Standing | None = None) -> str:
         else "but hardly without its two worst shots, which may err by themselves"
     )
     return (
-        f"The model gets the {channel(worst['quantity'])} wrong by {sized(worst)}: "
+        f"The model gets the {quantity(worst)} wrong by {sized(worst)}: "
         f"{worst['error']:.3g} times the noise, {rest}."
     )
 
@@ -297,3 +323,15 @@ def _beside(value: float, unit: str) -> str:
     """Return how far what was measured lies above or below the model."""
     side = "above" if value >= 0 else "below"
     return f"{abs(value):.3g} {unit} {side} the model"
+
+
+def looked_at(found: Json, seen: int) -> str:
+    """Say how many effects would show in these shots, and how many not, beside the present ones."""
+    others = [one for one in found["candidates"] if one["effect"] not in found["with"]]
+    hidden = len(others) - seen
+    added = " that are not in the model yet" if found["with"] else ""
+    said = f"{seen} known effects{added} would change something here."
+    if not hidden:
+        return said
+    beside = " beside what was added" if found["with"] else ""
+    return f"{said} {hidden} more would not{beside}: these shots do not tell them."
