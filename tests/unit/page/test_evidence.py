@@ -88,3 +88,10 @@ def test_an_effect_that_no_cell_shows_by_itself_is_drawn_where_its_curve_is_larg
     spin = cell("common spin b", "ln v_n", lambda x: 0.05 * x, 1.0)
     for cells in ([rolling, path, spin], [spin, rolling, path]):
         assert shown(cells, "flight") == ("relative position b", "time")
+
+
+def test_of_many_weak_cells_each_row_is_looked_at() -> None:
+    idle = [cell("common velocity n", f"column {k}", lambda x: 0 * x, 1.0) for k in range(20)]
+    faint = cell("common spin b", "order", lambda x: 0.01 * x, 1.0)
+    plain = cell("common spin b", "ln v_n", lambda x: 0.2 * x, 1.0)
+    assert shown([*idle, faint, plain], "contact") == ("common spin b", "ln v_n")

@@ -279,11 +279,12 @@ def test_a_pose_before_contact_and_one_after_it_have_names_of_their_own() -> Non
     )
 
 
-def test_effects_that_these_shots_no_longer_tell_are_counted_as_such() -> None:
-    names = ("drag", "wind", "buoyancy", "adhesion")
-    found = {"with": ["drag"], "candidates": [{"effect": name} for name in names]}
-    assert looked_at(found, 2) == (
-        "2 known effects that are not in the model yet would change something here. 1 more would "
-        "not beside what was added: these shots do not tell them."
+def test_effects_that_these_shots_do_not_tell_are_counted() -> None:
+    assert looked_at({"with": []}, 33, 41) == (
+        "33 of the 41 known effects that are not in the model would change something here; the "
+        "others leave no trace in these shots."
     )
-    assert looked_at({**found, "with": []}, 4) == "4 known effects would change something here."
+    later = looked_at({"with": ["lasting-contact"]}, 29, 41)
+    assert later.startswith("29 of the 40 known effects")
+    assert later.endswith("leave no trace in these shots, or do not go with what was added.")
+    assert looked_at({"with": ["drag"]}, 40, 41).endswith("would change something here.")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 
 import numpy as np
@@ -132,11 +132,14 @@ def plainest(before: Json, after: Json | None, place: str) -> Shown | None:
             near = [found for share, found in shares.values() if share >= most - within]
             return min(near, key=lambda found: rank_of(found[0]["covariate"]))
     there = [cell for cell in cells if block_of(cell) == place] or cells
-    found = [
-        (cell, *(points_of(one) for one in (cell, after_cells[_name(cell)])))
-        for cell in there[:LOOKED_AT]
-    ]
-    return max(found, key=lambda one: size_among(*one[1:]), default=None)
+
+    def largest(looked_at: Iterable[Json]) -> Shown | None:
+        found = [(cell, points_of(cell), points_of(after_cells[_name(cell)])) for cell in looked_at]
+        return max(found, key=lambda one: size_among(*one[1:]), default=None)
+
+    # Of each row its first cell, then all of that row: all cells would take seconds.
+    best = largest({cell["channel"]: cell for cell in reversed(there)}.values())
+    return best and largest(cell for cell in there if cell["channel"] == best[0]["channel"])
 
 
 def size_among(before: Json, after: Json) -> float:

@@ -84,8 +84,10 @@ class Story:
             self._shown, self._is_before = found, False
             self._look_at_stage()
             seen = self._seen(found) if found is self._state.present else []
-            self._effect = seen[0]["effect"] if seen else ""
             standing = self._state.standing
+            # What the verdict names is looked at; another may lead the list without standing out.
+            named = () if standing is None else standing.missing
+            self._effect = next(iter((*named, *(one["effect"] for one in seen))), "")
             if self._effect and not (standing is not None and standing.word is Word.FLOOR):
                 self._state.ask_trial(self._effect)
             self._after = None
@@ -294,7 +296,7 @@ class Story:
                 ).classes("note")
                 self._cards(alike, found)
         ui.label("Also looked at").classes("strong")
-        ui.label(looked_at(found, len(seen))).classes("note")
+        ui.label(looked_at(found, len(seen), len(known))).classes("note")
         self._cards(others, found)
         left_out(found)
 
@@ -321,10 +323,11 @@ class Story:
                     drawing(card)
                     ui.label(card.title).classes("strong")
                     ui.label(card.notice).classes("note")
-                    if error.floor is not None and error.value <= AT_THE_FLOOR:
+                    falls = falls_to(found, candidate)
+                    hardly = error.value <= AT_THE_FLOOR or falls.number() == error.number()
+                    if error.floor is not None and hardly:
                         ui.label("the error would hardly change").classes("note")
                     elif error.floor is not None:
-                        falls = falls_to(found, candidate)
                         share = 1.0 - (falls.value - 1.0) / max(error.value - 1.0, 1e-9)
                         with ui.element("div").classes("track").props("aria-hidden=true"):
                             bar = ui.element("div").classes("bar")

@@ -325,13 +325,13 @@ def _beside(value: float, unit: str) -> str:
     return f"{abs(value):.3g} {unit} {side} the model"
 
 
-def looked_at(found: Json, seen: int) -> str:
-    """Say how many effects would show in these shots, and how many not, beside the present ones."""
-    others = [one for one in found["candidates"] if one["effect"] not in found["with"]]
-    hidden = len(others) - seen
-    added = " that are not in the model yet" if found["with"] else ""
-    said = f"{seen} known effects{added} would change something here."
-    if not hidden:
-        return said
-    beside = " beside what was added" if found["with"] else ""
-    return f"{said} {hidden} more would not{beside}: these shots do not tell them."
+def looked_at(found: Json, seen: int, known: int) -> str:
+    """Say how many effects of those that are known would show in these shots, and why not all."""
+    added: list[str] = found["with"]
+    others = known - len(added)
+    said = f"{seen} of the {others} known effects"
+    said += " that are not in the model would change something here"
+    if seen == others:
+        return f"{said}."
+    beside = ", or do not go with what was added" if added else ""
+    return f"{said}; the others leave no trace in these shots{beside}."
