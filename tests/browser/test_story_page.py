@@ -20,6 +20,10 @@ MOVED = """(slider, share) => {
   ))));
 }"""
 
+FOURTH_IS_READ = """() => {
+  const top = document.getElementById("step-4").getBoundingClientRect().top;
+  return top >= 0 && top < innerHeight / 2;
+}"""
 REDRAWN_MS = 2_000
 """Within which the page changes something, if only to say that it is alive."""
 SHOTS = 60
@@ -72,6 +76,8 @@ def test_a_hidden_effect_is_moved_added_and_kept_by_a_reload(page: Page, served:
     page.get_by_test_id(f"add-{HIDDEN}").click()
     expect(page.get_by_test_id("story-added")).to_contain_text("The mirror is not at 45°")
     assert asked(sent[before:]) != []
+    # The steps above it are drawn anew, and it comes back to where it is read.
+    page.wait_for_function(FOURTH_IS_READ)
     expect(page.get_by_test_id("story-added")).to_contain_text(f"to {predicted} times")
     expect(page.get_by_test_id("guide-text")).to_contain_text("found and added")
     assert page.evaluate("location.search").endswith(f"effects={HIDDEN}&view=story")
