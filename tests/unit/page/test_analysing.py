@@ -12,7 +12,7 @@ from nicegui import Client, ui
 
 from rigctl.measuring.analysing import Awaited
 from rigctl.page.shots import view as module
-from rigctl.page.shots.view import Analysing
+from rigctl.page.shots.view import Analysing, left_words
 
 
 class Daemon:
@@ -79,3 +79,21 @@ def test_a_cancelled_analysis_is_said_to_be_until_it_has_ended(
     daemon.cancel_analysis("20260131-000001")
     reloaded.look()
     assert reloaded.texts[0] == "It is being cancelled"
+
+
+@pytest.mark.parametrize(
+    ("share", "left_s", "said"),
+    [
+        (0.1, 103.0, ""),
+        (0.3, 177.0, ""),
+        (0.5, None, ""),
+        (0.5, 138.0, ", some 3 min left"),
+        (0.6, 121.0, ", some 3 min left"),
+        (0.7, 119.0, ", some 2 min left"),
+        (0.9, 40.0, ", less than a minute left"),
+    ],
+)
+def test_the_end_of_compiling_is_told_in_minutes_once_the_pace_says_it(
+    share: float, left_s: float | None, said: str
+) -> None:
+    assert left_words(share, left_s) == said

@@ -26,6 +26,12 @@ def test_shots_that_do_not_slide_are_asked_for_an_offset_where_only_sliding_tell
     assert "annotations" not in over_speed([FLAT], "first")["layout"]
 
 
+def test_the_line_at_minus_one_says_that_it_is_no_friction() -> None:
+    slides = Impact(1, v_n=(-3.0, 0.001), v_s=(3.0, 0.001), e=(0.74, 0.001), beta=(-0.5, 0.01))
+    (line,) = over_incidence([slides], "first")["layout"]["shapes"]
+    assert (line["y0"], line["label"]["text"]) == (-1.0, "β = −1: no friction")
+
+
 def test_speeds_that_hardly_differ_are_drawn_over_a_tenth_of_a_metre_a_second() -> None:
     low, high = over_speed([FLAT], "first")["layout"]["xaxis"]["range"]
     assert high - low == pytest.approx(0.1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from rigctl.page.model.verdict import sentence
+from rigctl.page.model.verdict import doubted, sentence
 
 Json = dict[str, Any]
 
@@ -88,3 +88,10 @@ def test_what_most_of_a_few_shots_show_is_one() -> None:
 
 def test_of_many_shots_what_stands_out_is_said_whoever_carries_it() -> None:
     assert sentence([found(cell=1e-9, shared=False)])[0] == "Something is missing."
+
+
+def test_stated_numbers_are_in_doubt_only_once_nothing_else_is_missing() -> None:
+    assert doubted(1, missing=False) == "1 stated number of the set-up is in doubt"
+    assert doubted(16, missing=False) == "16 stated numbers of the set-up are in doubt"
+    assert "doubt" not in doubted(16, missing=True)
+    assert "bent by what is missing: look again once it is added" in doubted(16, missing=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from types import SimpleNamespace
+from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
 import pytest
@@ -11,12 +12,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rigctl.config import load
-from rigctl.page.sweeps.form import form_address
-from rigctl.page.sweeps.pages import what_became
+from rigctl.page.sweeps.form import form_address, grid_words
+from rigctl.page.sweeps.pages import how_far, what_became
 from rigctl.page.sweeps.plots import LOOKS, covers, grid, incidence, legend, progress
 from rigctl.settings import ShotSettings
 from rigctl.store import ShotState, StepState
-from rigctl.sweeps.form import Sweep
+from rigctl.sweeps.form import Grid, Sweep
 
 LIMITS = load().limits
 
@@ -32,7 +33,7 @@ def test_the_incidence_is_the_tangent_of_the_angle_between_flight_and_normal(ang
 
 def test_what_a_sweep_covers_is_said_from_its_least_to_its_largest_offset() -> None:
     said = covers([settings(40, 0), settings(40, 25.4 * math.sin(math.pi / 4))])
-    assert said.startswith("2 shots, sliding ÷ approach from about 0.00 to 1.00")
+    assert said.startswith("2 shots, sliding ÷ approach from about 0.00 to 1.00 by the offset")
 
 
 def test_a_setting_that_is_repeated_is_one_point_that_says_how_often() -> None:
@@ -76,9 +77,9 @@ def test_only_fates_that_occur_are_drawn() -> None:
     [
         (StepState.WAITING, None, "waiting"),
         (StepState.SKIPPED, None, "skipped"),
-        (StepState.TAKEN, None, "under way"),
-        (StepState.STORED, None, "fired"),
-        (StepState.STORED, ShotState.STORED, "under way"),
+        (StepState.TAKEN, None, "being fired"),
+        (StepState.STORED, None, "being measured"),
+        (StepState.STORED, ShotState.STORED, "being measured"),
         (StepState.STORED, ShotState.ANALYSED, "measured"),
         (StepState.STORED, ShotState.REFUSED, "not measured"),
         (StepState.LOST, ShotState.ABORTED, "not measured"),
@@ -100,3 +101,15 @@ def test_proposed_shots_come_back_from_the_address_as_they_were() -> None:
     )
     asked = parse_qs(urlsplit(form_address(proposed)).query)["form"][0]
     assert Sweep.model_validate_json(asked) == proposed
+
+
+def test_a_proposed_grid_is_said_by_the_ends_of_its_settings() -> None:
+    levels = {"pressure_a_kpa": {"first": 20, "last": 80, "count": 5}, "offset_mm": [6]}
+    said = grid_words(Grid.model_validate(levels))
+    assert said == "Pressure a 20 to 80 kPa (5 values), Offset 6 mm (1 value)"
+
+
+def test_shots_that_were_fired_are_counted_apart_from_those_that_could_not_be() -> None:
+    counts = {StepState.STORED: 2, StepState.NOT_FIRED: 1, StepState.WAITING: 3}
+    status: Any = SimpleNamespace(record=SimpleNamespace(steps=6, counts=counts), left_s=None)
+    assert how_far(status) == (3, 6, "2 of 6 shots fired, 1 could not be")

@@ -279,8 +279,8 @@ class Rail:
         if now.step == SWEEP:
             are = "shot is" if now.measured == 1 else "shots are"
             return (
-                f"{now.measured} {are} measured of “{now.campaign}”. From {ENOUGH} on they are "
-                "compared; all thirty say more."
+                f"{now.measured} {are} measured of “{now.campaign}”, the first of all counted too. "
+                f"From {ENOUGH} on they are compared; all thirty say more."
             )
         if now.found is not Found.WAITS:
             return COMPARED[now.found]

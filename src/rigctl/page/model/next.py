@@ -141,7 +141,7 @@ class NextShots:
 
     def _of_ones_own(self, names: list[str]) -> None:
         with ui.element("div").classes("beside"):
-            ui.label("Tell")
+            ui.label("Others, if you want to: tell")
             self._select(names, 0)
             ui.label("from")
             self._select(names, 1)

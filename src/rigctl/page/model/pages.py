@@ -167,10 +167,16 @@ class ModelView:
         with ui.element("details").classes("note").props("data-testid=counted"):
             numbers = ", ".join(map(str, why))
             shots = f"{'shot' if len(why) == 1 else 'shots'} {numbers}"
-            ui.html(f"{used} used, left out: {shots}", sanitize=False, tag="summary")
+            reasons = "; ".join(
+                f"shot {number}: {self._left_out_words(reason)}" for number, reason in why.items()
+            )
+            summary = f"{used} used, left out: {shots}. Why?"
+            ui.html(summary, sanitize=False, tag="summary").tooltip(reasons)
             for number, reason in why.items():
-                said = rejected_in_plain(reason) if self._view == STORY else reason
-                ui.label(f"Shot {number}: {said}.")
+                ui.label(f"Shot {number}: {self._left_out_words(reason)}.")
+
+    def _left_out_words(self, reason: str) -> str:
+        return rejected_in_plain(reason) if self._view == STORY else reason
 
     def _busy(self) -> None:
         def look() -> str:

@@ -120,9 +120,10 @@ class Verdict:
         """Say which stated numbers the fit pulls away, folded up: a remark, no verdict."""
         if not alarms:
             return
-        count = "1 stated number" if len(alarms) == 1 else f"{len(alarms)} stated numbers"
         with ui.element("details").classes("note").props("data-testid=alarms"):
-            summary = f"{count} of the set-up {'is' if len(alarms) == 1 else 'are'} in doubt"
+            standing = self._state.standing
+            missing = standing is not None and standing.word in {Word.MISSING, Word.UNEXPLAINED}
+            summary = doubted(len(alarms), missing=missing)
             ui.html(summary, sanitize=False, tag="summary")
             for sentence in self._alarmed(alarms):
                 ui.label(sentence).props("data-testid=alarm")
@@ -154,6 +155,20 @@ class Verdict:
     def _start(self) -> None:
         self._asked.start()
         self.show.refresh()
+
+
+def doubted(count: int, *, missing: bool) -> str:
+    """Say that the fit pulls so many stated numbers away.
+
+    While something is missing in the model they take its place, and are no evidence of themselves.
+    """
+    numbers = "1 stated number" if count == 1 else f"{count} stated numbers"
+    if missing:
+        them = "is" if count == 1 else "are"
+        return (
+            f"{numbers} of the set-up {them} bent by what is missing: look again once it is added"
+        )
+    return f"{numbers} of the set-up {'is' if count == 1 else 'are'} in doubt"
 
 
 def sentence(

@@ -50,7 +50,7 @@ def over_incidence(found: Sequence[Impact], title: str, none: str = NO_SHOTS) ->
         [_shots(told, "")],
         HEIGHT,
         f"{title}-tangential",
-        shapes=[_level(-1.0)],
+        shapes=[_level(-1.0, "β = −1: no friction")],
         xaxis={
             "title": {"text": "sliding ÷ approach, v<sub>s</sub> / |v<sub>n</sub>|"},
             "rangemode": "tozero",
@@ -83,7 +83,8 @@ def _shots(told: Sequence[tuple[int, float, float, float]], unit: str) -> Json:
     }
 
 
-def _level(height: float) -> Json:
+def _level(height: float, name: str) -> Json:
+    # A name as an annotation would look as if it could be pressed.
     return {
         "type": "line",
         "xref": "paper",
@@ -92,4 +93,10 @@ def _level(height: float) -> Json:
         "y0": height,
         "y1": height,
         "line": {"color": FLOOR, "width": 1.4, "dash": "dot"},
+        "label": {
+            "text": name,
+            "textposition": "end",
+            "yanchor": "bottom",
+            "font": {"size": 11},
+        },
     }

@@ -93,8 +93,10 @@ HELP = {
     "outlines": "circle fitted to each sphere's edge: a sky blue, b orange",
     "markers": "dots on the spheres that were found, from which their turning follows",
     "tracks": "path of each centre up to this frame",
-    "normal": "line of centres at first touch, from a to b (dot)",
+    "normal": "yellow: line of centres at first touch, from a to b (dot)",
 }
+LABELS = {"normal": "line of centres (yellow)"}
+"""Of layers whose own name says less."""
 
 
 class Player:
@@ -216,7 +218,11 @@ class Player:
         self._where = ui.label().classes("note").props("data-testid=where")
 
     def _layer(self, name: str) -> None:
-        box = ui.checkbox(name, value=name in self._layers).props("dense").tooltip(HELP[name])
+        box = (
+            ui.checkbox(LABELS.get(name, name), value=name in self._layers)
+            .props("dense")
+            .tooltip(HELP[name])
+        )
         box.on_value_change(lambda event: self._switch(name, on=bool(event.value)))
 
     def _key(self, name: str, by: int) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Mapping
 from contextlib import suppress
@@ -29,6 +30,19 @@ AGAIN_SAID = ("e", "beta")
 COMPILES = "Machine code is being compiled, once on this host: it takes some minutes"
 MEASURES = "Measuring its frames"
 CANCELS = "It is being cancelled"
+
+
+TELLS_FROM = 0.4
+"""Of what is compiled: before so much is, the pace says nothing of the rest, whose functions take
+from a tenth of a second to half a minute."""
+
+
+def left_words(share: float, left_s: float | None) -> str:
+    """Return the time that compiling will take still, in whole minutes; empty where unknown."""
+    if left_s is None or share < TELLS_FROM:
+        return ""
+    minutes = math.ceil(left_s / 60)
+    return ", less than a minute left" if minutes <= 1 else f", some {minutes} min left"
 
 
 class Analysing:
@@ -67,9 +81,9 @@ class Analysing:
         else:
             left = self._rate.left_s(compiling.share, now)
             self._said.set_text(CANCELS if cancels else COMPILES)
-            about = "" if left is None else f", about {left:.0f} s left"
+            about = left_words(compiling.share, left)
             self._left.set_text(f"{compiling.words}; {gone:.0f} s gone{about}.")
-        share = Wait(gone, left).share
+        share = Wait(gone, left).share if compiling is None else compiling.share
         self._share.set_value(round(share or 0.0, 2))
 
     async def _on_cancel(self) -> None:

@@ -20,11 +20,13 @@ from rigctl.page.parts.quantities import SETTINGS, Quantity
 from rigctl.page.parts.tables import Cell, Line, facts
 from rigctl.page.parts.widgets import button, plot
 from rigctl.page.sweeps.plots import covers, grid
-from rigctl.sweeps.form import Sweep
+from rigctl.sweeps.form import Grid, Sweep
 from rigctl.sweeps.plan import plan_of, require_possible, warnings_of
 
 MOST_LEVELS = 50
 MOST_REPEATS = 100
+ALIKE = ("pressure_a_kpa", "offset_mm")
+"""Settings that a grid goes through whose pressures are alike on both sides."""
 LISTED = {"pressure_a_kpa": "a", "pressure_b_kpa": "b", "offset_mm": "offset"}
 REPEAT = Quantity("Repeats", "", "How often all is fired.")
 
@@ -72,6 +74,11 @@ class SweepForm:
             self._start = button("Start", self._on_start, look="main fill", testid="start-sweep")
         self._shown: Sweep | None = None
         every(0.3, self._follow)
+
+    @property
+    def is_proposed(self) -> bool:
+        """Whether the shots are proposed, so that there is nothing to choose."""
+        return self._proposed is not None
 
     @ui.refreshable_method
     def preview(self) -> None:
@@ -153,8 +160,20 @@ def _listed(proposed: Sweep) -> None:
     if lines:
         facts(shot_headings(), lines, "proposed")
     if proposed.grid is not None:
-        ui.label(f"{proposed.grid.size()} combinations, drawn on this page.").classes("note")
-    ui.link("build a grid instead", "/sweeps").classes("note")
+        ui.label(f"{grid_words(proposed.grid)}: see “What it covers”.").classes("note")
+    ui.link("Choose pressures and offsets yourself instead", "/sweeps").classes("note")
+
+
+def grid_words(proposed: Grid) -> str:
+    """Say which settings a grid goes through, each with how many values and their ends."""
+    said: list[str] = []
+    for name in LISTED if proposed.pressure_b_kpa is not None else ALIKE:
+        about, values = SETTINGS[name], {getattr(one, name) for one in proposed.settings()}
+        ends = f"{min(values):g}"
+        if len(values) > 1:
+            ends += f" to {max(values):g}"
+        said.append(f"{about.name} {ends} {about.unit} ({counted(len(values), 'value')})")
+    return ", ".join(said)
 
 
 def _repeat(value: float) -> NumberField:

@@ -20,7 +20,7 @@ from rigctl.page.parts.readings import Impact, rows_of
 from rigctl.page.parts.widgets import button, plot, save_csv
 from rigctl.page.shots.table import WHY, column, explain_headings, link_cells
 from rigctl.page.sweeps.form import SweepForm
-from rigctl.page.sweeps.plots import legend, progress
+from rigctl.page.sweeps.plots import MEASURES, legend, progress
 from rigctl.settings import ShotSettings
 from rigctl.store import ShotRecord, ShotState, StepRecord, StepState, SweepState
 from rigctl.sweeps.status import SweepStatus
@@ -38,17 +38,17 @@ COLUMNS = [
 def what_became(step: StepRecord, shot: ShotRecord | None) -> str:
     """Return the fate of a step as the plots name it: a key of `sweep_plots.LOOKS`.
 
-    `shot` is None also where it was not read yet.
+    `shot` is None also where it was not read yet. What was fired is being measured until it is.
     """
     if step.state is StepState.WAITING:
         return "waiting"
     if step.state is StepState.SKIPPED:
         return "skipped"
     if step.state is StepState.TAKEN:
-        return "under way"
+        return "being fired"
     if step.state is StepState.STORED:
         fates = {ShotState.ANALYSED: "measured", ShotState.REFUSED: "not measured"}
-        return "fired" if shot is None else fates.get(shot.state, "under way")
+        return MEASURES if shot is None else fates.get(shot.state, MEASURES)
     return "not measured"
 
 
@@ -185,6 +185,7 @@ class SweepView:
 
 
 SHOWN = 12
+CHOOSE = "Choose ranges, then Start."
 
 
 def sweep_pages(desk: Desk) -> None:
@@ -196,7 +197,7 @@ def sweep_pages(desk: Desk) -> None:
             placed = SweepForm(desk, form)
             with ui.element("div").classes("stack"):
                 placed.preview()
-                _Listed(desk)
+                _Listed(desk, first="Press Start." if placed.is_proposed else CHOOSE)
 
     @kept_page("/sweeps/{sweep}")
     def one(sweep: str) -> None:
@@ -211,10 +212,13 @@ def sweep_pages(desk: Desk) -> None:
 
 
 class _Listed:
-    """The sweeps, the latest first; each is updated in place when it gets further."""
+    """The sweeps, the latest first; each is updated in place when it gets further.
 
-    def __init__(self, desk: Desk) -> None:
-        self._desk = desk
+    `first` says what to do before there is one.
+    """
+
+    def __init__(self, desk: Desk, first: str) -> None:
+        self._desk, self._first = desk, first
         self._seen: list[SweepStatus] = self._stand()
         with ui.element("div").classes("panel").props("data-testid=sweeps"):
             ui.label("Sweeps").classes("title")
@@ -239,7 +243,7 @@ class _Listed:
     @ui.refreshable_method
     def _show(self) -> None:
         if not self._seen:
-            ui.label("No sweep has been run yet. Choose ranges, then Start.").classes("empty")
+            ui.label(f"No sweep has been run yet. {self._first}").classes("empty")
         self._placed = [self._one(status) for status in self._seen]
 
     def _one(self, status: SweepStatus) -> SweepProgress:
@@ -343,7 +347,11 @@ def how_far(status: SweepStatus) -> tuple[int, int, str]:
     skipped = record.counts.get(StepState.SKIPPED, 0)
     done = record.steps - skipped - sum(record.counts.get(state, 0) for state in TO_COME)
     without = f", {skipped} skipped" if skipped else ""
-    return done, record.steps, f"{done} of {record.steps} shots{without}{_left(status.left_s)}"
+    given_up = record.counts.get(StepState.NOT_FIRED, 0)
+    not_fired = f", {given_up} could not be" if given_up else ""
+    fired = f"{done - given_up} of {record.steps} shots fired"
+    said = f"{fired}{not_fired}{without}{_left(status.left_s)}"
+    return done, record.steps, said
 
 
 def _left(seconds: float | None) -> str:

@@ -15,10 +15,11 @@ DIAMETER_MM = 25.4
 HEIGHT = 360
 SCALE = (0.0, 0.25, 0.5, 1.0, 2.0)
 """Values of v_s / v_n marked beside the offsets."""
+MEASURES = "being measured"
 LOOKS: dict[str, Json] = {
     "waiting": {"color": "rgba(0,0,0,0)", "size": 10, "line": {"color": GREY, "width": 1.4}},
-    "fired": {"color": GREY, "size": 9, "symbol": "square"},
-    "under way": {"color": "#E69F00", "size": 13, "symbol": "diamond"},
+    "being fired": {"color": "#E69F00", "size": 13, "symbol": "diamond"},
+    MEASURES: {"color": GREY, "size": 9, "symbol": "square"},
     "measured": {"color": MEASURED, "size": 10},
     "not measured": {"color": FAILS, "size": 11, "symbol": "triangle-up"},
     "skipped": {"color": GREY, "size": 9, "symbol": "x-thin", "line": {"color": GREY, "width": 2}},
@@ -28,8 +29,8 @@ LOOKS: dict[str, Json] = {
 
 SIGNS = {
     "waiting": f'<circle r="5" fill="none" stroke="{GREY}" stroke-width="1.4"/>',
-    "fired": f'<path d="M-4.5-4.5h9v9h-9z" fill="{GREY}"/>',
-    "under way": '<path d="M0-7 7 0 0 7-7 0z" fill="#E69F00"/>',
+    "being fired": '<path d="M0-7 7 0 0 7-7 0z" fill="#E69F00"/>',
+    MEASURES: f'<path d="M-4.5-4.5h9v9h-9z" fill="{GREY}"/>',
     "measured": '<circle r="5" fill="var(--blue)"/>',
     "not measured": f'<path d="M0-6 6 5H-6z" fill="{FAILS}"/>',
     "skipped": f'<path d="M-5-5 5 5M5-5-5 5" stroke="{GREY}" stroke-width="2"/>',
@@ -44,11 +45,11 @@ def incidence(offset_mm: float) -> float:
 
 
 def covers(steps: Sequence[ShotSettings]) -> str:
-    """Say in words which incidence the offsets mean."""
+    """Say in words which incidence the offsets mean; fall, spin and timing are not in it."""
     found = [incidence(step.offset_mm) for step in steps]
     return (
         f"{len(steps)} shots, sliding ÷ approach from about {min(found):.2f} to {max(found):.2f} "
-        "before they fall"
+        "by the offset alone; fall, spin and timing shift each shot"
     )
 
 
