@@ -171,7 +171,9 @@ class ModelView:
                 f"shot {number}: {self._left_out_words(reason)}" for number, reason in why.items()
             )
             summary = f"{used} used, left out: {shots}. Why?"
-            ui.html(summary, sanitize=False, tag="summary").tooltip(reasons)
+            # The tooltip of an element: one of raw HTML has no place for it.
+            with ui.element("summary").tooltip(reasons):
+                ui.html(summary, sanitize=False, tag="span")
             for number, reason in why.items():
                 ui.label(f"Shot {number}: {self._left_out_words(reason)}.")
 
