@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 import threading
 import time
@@ -52,6 +53,13 @@ def patient(configuration: Configuration) -> Configuration:
 
     document = longer(configuration.model_dump(mode="json"))
     return Configuration.model_validate_json(json.dumps(document))
+
+
+def patient_text(configuration: str) -> str:
+    """Return the text of a configuration with all waits for devices as long as that."""
+    for name, seconds in LONGEST_S.items():
+        configuration = re.sub(rf"(?m)^{name} = [\d.]+", f"{name} = {seconds}", configuration)
+    return configuration
 
 
 def wait_long(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -30,6 +30,8 @@ class Hidden:
         The sign is drawn.
     faint
         A quarter of it is lost in the noise of 120 shots, and is not drawn.
+    subtle
+        All of it leaves the error of 120 shots within a tenth of the noise: nothing for a beginner.
     known
         False: no catalogue has it, and the right answer is `unexplained`.
     like
@@ -48,6 +50,7 @@ class Hidden:
     switch: Switch
     either_sign: bool = False
     faint: bool = False
+    subtle: bool = False
     known: bool = True
     like: tuple[str, ...] = ()
     beside: tuple[str, ...] = ()
@@ -178,6 +181,7 @@ _ALL = (
         "share of the impulse that comes through springs",
         "mu(v)",
         _field("compliance"),
+        subtle=True,
     ),
     Hidden(
         "drag",
@@ -208,6 +212,7 @@ _ALL = (
         "air",
         _field("lift"),
         faint=True,
+        subtle=True,
     ),
     Hidden(
         "gravity-direction",
@@ -217,6 +222,7 @@ _ALL = (
         "vertical",
         _tilted,
         either_sign=True,
+        subtle=True,
     ),
     Hidden(
         "image-scale",
@@ -256,6 +262,7 @@ _ALL = (
         "mirror",
         _field("mirror_rad"),
         either_sign=True,
+        subtle=True,
     ),
     Hidden(
         "camera-roll",

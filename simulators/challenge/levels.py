@@ -21,7 +21,8 @@ def _known(label: Amplitudes) -> bool:
 
 
 def _plain(label: Amplitudes) -> bool:
-    return len(label) == 1 and _known(label) and not any(HIDDEN[name].like for name in label)
+    hidden = [HIDDEN[name] for name in label]
+    return len(hidden) == 1 and _known(label) and not any(one.like or one.subtle for one in hidden)
 
 
 def _one(label: Amplitudes) -> bool:

@@ -13,10 +13,10 @@ from analysis.collision.operator import Body
 from analysis.errors import NoContactError, ShotRefusedError
 from analysis.imaging.edge.frame import EdgeSettings
 from analysis.imaging.stated_view import first_row, stated_view
+from analysis.motion.frame_notes import gathered
 from analysis.motion.pattern import Orientations
 from analysis.motion.poses import Centres
 from analysis.refusals import what_happened
-from analysis.results.frame_notes import gathered
 from analysis.scene import Scene
 from analysis.setup import NO_SLOW_ERRORS, Setup, SlowErrors
 from analysis.shot_poses import ShotPoses

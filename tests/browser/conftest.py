@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import signal
 import subprocess
 from collections.abc import Iterator
@@ -15,6 +14,7 @@ import pytest
 from playwright.sync_api import Browser, Page, Request, expect, sync_playwright
 
 from benchmarks.page_served import CHROMIUM, KEY, SWITCHES, started
+from tests.simulated import patient_text
 
 WAIT_S = 60.0
 EXPECT_MS = 60_000
@@ -79,10 +79,7 @@ class Served:
 
 def patient_configuration() -> str:
     """Return the default configuration with as long a wait for frames as a busy host needs."""
-    usual = SIMULATED.read_text(encoding="utf-8")
-    patient, changed = re.subn(r"collect_timeout_s = .*", "collect_timeout_s = 120.0", usual)
-    assert changed == 1
-    return patient
+    return patient_text(SIMULATED.read_text(encoding="utf-8"))
 
 
 @pytest.fixture(scope="session")

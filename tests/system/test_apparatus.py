@@ -18,6 +18,7 @@ from rigctl.firing import fire_and_wait
 from rigctl.local import LocalRig
 from rigctl.settings import ShotSettings
 from simulators.laboratory import Laboratory
+from tests.simulated import patient_text
 from tests.system.real_rig import until
 
 CONFIG = Path(__file__).parents[2] / "config"
@@ -42,7 +43,7 @@ class Fired:
 
 def with_store(name: str, folder: Path) -> Path:
     """Write a configuration whose store lies in a folder of the test; return its file."""
-    text = (CONFIG / f"{name}.toml").read_text(encoding="utf-8")
+    text = patient_text((CONFIG / f"{name}.toml").read_text(encoding="utf-8"))
     before, _, after = text.partition('folder = "data')
     config = folder / "rig.toml"
     rest = after.partition('"')[2]

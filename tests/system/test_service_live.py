@@ -25,8 +25,9 @@ from rigctl.service.app import create_app
 from rigctl.service.events import EventHub
 from rigctl.store import Fired, ShotState, Store
 from tests.invoked import Invoked, rigctl
-from tests.simulated import with_short_films
+from tests.simulated import patient_text, with_short_films
 
+SIMULATED = Path(__file__).parents[2] / "config" / "simulated.toml"
 KEY = "live-key"
 HEADERS = {"Authorization": f"Bearer {KEY}"}
 SETTINGS = {"pressure_a_kpa": 40.0, "pressure_b_kpa": 40.0, "offset_mm": 6.0}
@@ -40,8 +41,10 @@ def command(folder: Path, *arguments: str) -> Invoked:
 
 @contextmanager
 def daemon_process(folder: Path) -> Iterator[subprocess.Popen[str]]:
+    rig = folder / "rig.toml"
+    rig.write_text(patient_text(SIMULATED.read_text(encoding="utf-8")), encoding="utf-8")
     process = subprocess.Popen(
-        [*RIGCTL, "serve", "--port", "0"],
+        [*RIGCTL, "serve", "--port", "0", "--config", "rig.toml"],
         cwd=folder,
         env={**os.environ, "RIGCTL_KEY": ""},
         stdout=subprocess.PIPE,
@@ -161,9 +164,9 @@ def test_a_port_that_is_taken_is_refused_before_any_device_is_opened(
 
 
 def test_the_network_is_refused_without_encryption(tmp_path: Path) -> None:
-    default = Path(__file__).parents[2] / "config" / "simulated.toml"
-    open_to_all = default.read_text().replace('host = "127.0.0.1"', 'host = "0.0.0.0"')
-    assert open_to_all != default.read_text()
+    default = SIMULATED.read_text(encoding="utf-8")
+    open_to_all = default.replace('host = "127.0.0.1"', 'host = "0.0.0.0"')
+    assert open_to_all != default
     (tmp_path / "rig.toml").write_text(open_to_all)
     key = ("--key", "key-of-the-thread-2026")
     refused = command(tmp_path, "serve", "--config", "rig.toml", *key)

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from analysis.arrays import Floats
 from analysis.errors import ShotRefusedError
+from analysis.motion.frame_notes import gathered
 from analysis.motion.poses import Centres
 from analysis.motion.tears import BEYOND, LESS_CERTAIN, OFF, UNCERTAIN, torn
-from analysis.results.frame_notes import gathered
 
 Frames = NDArray[np.intp]
 

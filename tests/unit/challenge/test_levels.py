@@ -7,11 +7,18 @@ from pathlib import Path
 
 import pytest
 
+import rigctl
 from rigctl.challenge import label_of
 from rigctl.errors import RefusedError, SettingsError
 from rigctl.game import Clue, Game, be_sure, game_of, hints, new_game, places, score, take_hint
+from simulators.challenge.effects import HIDDEN, Hidden
+from simulators.challenge.making import write_challenge
 
 SEEDS = range(4)
+
+
+def first_level(effect: Hidden) -> bool:
+    return effect.known and not effect.like and not effect.subtle
 
 
 @pytest.mark.parametrize(("level", "counts"), [(1, {1}), (2, {0, 1}), (3, {2}), (4, {1})])
@@ -28,6 +35,14 @@ def test_a_level_hides_as_many_known_effects_as_it_says(
             assert label.like == {}
         if level == 4:
             assert label.like != {}
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", [one.name for one in HIDDEN.values() if first_level(one)])
+def test_what_the_first_level_hides_shows_plainly_in_120_shots(tmp_path: Path, name: str) -> None:
+    effect = HIDDEN[name]
+    write_challenge(tmp_path / "made", {name: effect.amplitude}, 5, 120)
+    assert rigctl.open(tmp_path / "made").fit().chi2_per_dof > 1.06
 
 
 def test_a_game_is_kept_beside_its_challenge_and_says_nothing_of_the_truth(tmp_path: Path) -> None:

@@ -35,7 +35,7 @@ from analysis.model.proposals.forms.frame import FrameForm, frame_forms
 from analysis.model.proposals.forms.launch import QUANTITIES, LaunchForm
 from analysis.model.proposals.forms.shapes import SHAPES, Shape
 from analysis.model.proposals.proposed import Proposed
-from analysis.results.frame_notes import ranges
+from analysis.motion.frame_notes import ranges
 
 Json = dict[str, Any]
 

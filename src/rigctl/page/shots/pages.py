@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from nicegui import run, ui
 
-from analysis.results.frame_notes import gathered
+from analysis.motion.frame_notes import gathered
 from rigctl.measuring.reanalysing import ENDED
 from rigctl.page.desk import Desk, actor
 from rigctl.page.layout import TICK_S, sheet

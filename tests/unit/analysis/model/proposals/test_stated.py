@@ -26,7 +26,7 @@ from analysis.model.proposals.stated import (
     numbers_among,
     read_statement,
 )
-from analysis.results.frame_notes import ranges
+from analysis.motion.frame_notes import ranges
 from tests.unit.analysis.model.proposals.hidden import campaign, proposed
 from tests.unit.analysis.model.proposals.test_launch_search import warm, with_warm_pushers
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from analysis.results.frame_notes import gathered
+from analysis.motion.frame_notes import gathered
 
 DIM = "no orientation of sphere a: only 2 markers in common with the frames before, 3 are needed"
 
