@@ -7,8 +7,8 @@ the worst), and their median errors; below, the same in the part of these errors
 shot alone, without what all shots share (scale, drag); every refused shot with its reason; and what
 processor time a shot took, the start of the daemon and its workers among it.
 --diameter-mm and --gravity change all of them, offsets in proportion to the diameter: 12.7 and 1.62
-are half an inch on the Moon. --pictures splits each frame of a recorder into so many. --seed draws
-another world; --keep FOLDER keeps its shots; --each prints every shot.
+are half an inch on the Moon. --pictures splits each frame of simulated-split into so many. --seed
+draws another world; --keep FOLDER keeps its shots; --each prints every shot.
 Ends 1 if a number is off by more than four of its errors, or no shot of an apparatus was measured.
 """
 
@@ -41,8 +41,8 @@ NAMES = ("e", "v_n", "v_s", "v_s_after", "beta")
 MOST_OFF = 4.0
 WAIT_S = 600.0
 CAMPAIGN = "benchmark"
-AFTER_MARK, COLLECT_S = 100, 60.0
-"""Frames after the mark, of one picture each, and what split ones may take to be played back."""
+AFTER_MARK = 100
+"""Frames after the mark, of one picture each."""
 
 Json = Mapping[str, Any]
 
@@ -187,6 +187,8 @@ def main() -> int:
     asked.add_argument("--keep", type=Path, metavar="FOLDER", help="keep the shots there")
     asked.add_argument("--each", action="store_true", help="print every shot")
     options = asked.parse_args()
+    if options.pictures is not None and options.only != "simulated-split":
+        asked.error("--pictures is for the split format: add --only simulated-split")
     logs.set_up("text")
     heads = "   ".join(f"{name + ': rms, worst, σ':>20}" for name in NAMES)
     print(f"{'apparatus':<18} measured {heads}   CPU s a shot")
@@ -235,7 +237,6 @@ def _in_world(usual: Configuration, options: argparse.Namespace) -> Configuratio
                 "pictures_per_frame": options.pictures,
                 "rows": EKTAPRO_ROWS // options.pictures,
                 "frames_after_mark": AFTER_MARK * options.pictures,
-                "collect_timeout_s": COLLECT_S,
             }
         )
         # The middle of the full frame, as in the split format's own configuration.

@@ -167,7 +167,7 @@ class CaptureFolder:
     folder
         The folder the digitiser writes to.
     recorder
-        The recorder that is told to transfer.
+        The recorder that transfers its pictures to the digitiser.
     picture_rate_hz
         Pictures per second that the recorder is set to.
     clock, wait

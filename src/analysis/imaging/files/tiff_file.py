@@ -1,4 +1,4 @@
-"""Frames from a multi-page TIFF, every one that the file speaks of or none.
+"""Frames from a multi-page TIFF: all that the file declares, or an error.
 
 Its directories are gone through once before a library follows them. A damaged file can have a
 directory that follows itself, a tag of a billion values, or values that lie beyond the file's end;

@@ -168,6 +168,6 @@ def counted(rows: Sequence[Json]) -> None:
     ui.label(
         f"{wrong} of {len(rows)} quantities disagree. Each bar is the error of one quantity by "
         "itself on shots that the model has not seen, as a multiple of its noise; the verdict's is "
-        "that of all together. Bars begin at 1, the floor, and are logarithmic: one twice as long "
-        "stands for the square. Green may be chance alone."
+        "that of all together. Bars begin at 1, the floor, on a logarithmic scale: a bar twice as "
+        "long means the square of the error. Green may be chance alone."
     ).classes("note")
