@@ -46,6 +46,9 @@ class Job:
         16 hexadecimal digits, by chance: a name is never given twice, not even after a restart.
     kind, subject
         What is done, and to which campaign.
+    folder
+        Where the shots lie that were asked; empty: in the store, under the campaign's name. Folders
+        of any laboratory may bear a name that a campaign of the store has.
     enclosure
         What the process of its work is kept from, in words; empty until it runs in one.
     progress, share
@@ -64,6 +67,7 @@ class Job:
     created_at: datetime
     started_at: datetime | None = None
     ended_at: datetime | None = None
+    folder: str = ""
     enclosure: str = ""
     progress: str = ""
     share: float | None = None
@@ -120,7 +124,7 @@ class Register:
         self._jobs: dict[str, Job] = {}
         self._asked: dict[Hashable, str] = {}
 
-    def add(self, kind: str, subject: str, key: Hashable) -> tuple[Job, bool]:
+    def add(self, kind: str, subject: str, key: Hashable, folder: str = "") -> tuple[Job, bool]:
         """Return a queued job, or the one that answers `key`, and whether it was there before.
 
         Raises
@@ -134,7 +138,9 @@ class Register:
             if same is not None and same.state not in {JobState.FAILED, JobState.CANCELLED}:
                 return same, True
             self._require_room()
-            job = Job(secrets.token_hex(8), kind, subject, JobState.QUEUED, self._now())
+            job = Job(
+                secrets.token_hex(8), kind, subject, JobState.QUEUED, self._now(), folder=folder
+            )
             self._jobs[job.id] = job
             if key is not None:
                 self._asked[key] = job.id

@@ -79,7 +79,9 @@ class Jobs:
         """Have a process load a module that further jobs will need; returns at once."""
         self._ready.prepare(module)
 
-    def submit(self, kind: str, subject: str, work: Work, key: Hashable = None) -> Job:
+    def submit(
+        self, kind: str, subject: str, work: Work, key: Hashable = None, *, folder: str = ""
+    ) -> Job:
         """Queue work and return its job.
 
         Parameters
@@ -91,6 +93,8 @@ class Jobs:
         key
             Names the question. A job of the same key that has neither failed nor been cancelled
             is returned in the place of another one; None: always another one.
+        folder
+            Where the shots lie; empty: in the store.
 
         Raises
         ------
@@ -100,7 +104,7 @@ class Jobs:
         with self._lock:
             if self._closed:
                 raise JobsFullError("no further job is taken", todo="start the daemon again")
-            job, known = self._register.add(kind, subject, key)
+            job, known = self._register.add(kind, subject, key, folder)
             if not known:
                 register = self._register
                 self._tasks[job.id] = Task(

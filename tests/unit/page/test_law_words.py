@@ -2,9 +2,17 @@
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
 import pytest
 
-from rigctl.page.model.law import in_story, on_page
+import rigctl.page.model.source as sources
+from rigctl.jobs import ENDED, Jobs
+from rigctl.page.model.law import in_story, last_proposal, on_page
+from rigctl.page.model.source import Source
 from rigctl.page.model.story.words import cells_in_plain
 
 
@@ -46,3 +54,33 @@ def test_the_cell_that_a_verdict_names_is_said_in_words() -> None:
     assert cells_in_plain("relative spin t against humidity") == (
         "the difference of tumbling, with humidity"
     )
+
+
+def test_of_campaigns_of_one_name_each_has_its_own_last_proposal(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    jobs = Jobs()
+    daemon: Any = SimpleNamespace(
+        jobs=jobs, configuration=SimpleNamespace(analysis=SimpleNamespace(effects=None))
+    )
+    places = [tmp_path / place / "strange" for place in ("here", "there")]
+    here, there = (Source(daemon, "strange", place) for place in places)
+    stored = Source(daemon, "strange")
+
+    def work(_: str, asked: dict[str, Any]) -> Any:
+        # What is proposed names the shots that were asked.
+        return lambda _: json.dumps({"proposals": [asked["folder"]]})
+
+    monkeypatch.setattr(sources, "in_process", work)
+    try:
+        answered = [jobs.wait(one.ask("propose").id, 60.0) for one in (here, there)]
+        assert all(job.state in ENDED for job in answered)
+        assert last_proposal(here)["proposals"] == [str(here.folder)]
+        assert last_proposal(there)["proposals"] == [str(there.folder)]
+        assert last_proposal(stored)["proposals"] == []
+        # As REST asks it of the store's campaign.
+        of_store = jobs.submit("propose", "strange", lambda _: json.dumps({"proposals": ["own"]}))
+        jobs.wait(of_store.id, 60.0)
+        assert last_proposal(stored)["proposals"] == ["own"]
+    finally:
+        jobs.close()

@@ -22,6 +22,7 @@ from rigctl.documents import Json
 from rigctl.errors import AnalysisInputError
 from rigctl.jobs import Job
 from rigctl.measuring.measured import others
+from rigctl.page.model.source import Source
 from rigctl.page.model.state import ModelState, Question
 from rigctl.page.model.story.words import COVARIATES
 from rigctl.page.parts.tables import RAISED
@@ -102,17 +103,8 @@ class ProposedLaw:
 
     def _proposed(self) -> list[Json]:
         """Return the forms of the answer, or of the last one that was given for this campaign."""
-        answer = self._asked.answer or self._last()
+        answer = self._asked.answer or last_proposal(self._state.source)
         return [one["form"] for one in answer["proposals"]]
-
-    def _last(self) -> Json:
-        source = self._state.source
-        for job in reversed(source.daemon.jobs.jobs()):
-            if (job.kind, job.subject) == ("propose", source.title) and job.result is not None:
-                answer: Json = json.loads(job.result)
-                if answer.get("proposals"):
-                    return answer
-        return {"proposals": []}
 
     def _to_share(self) -> None:
         """Offer to ask other campaigns of the store together with this one."""
@@ -173,6 +165,12 @@ class ProposedLaw:
             limits=[list(limits.pressure_kpa), list(limits.offset_mm)],
             **more,
         )
+
+
+def last_proposal(source: Source) -> Json:
+    """Return the last answer that proposed a law for these shots; none are proposals too."""
+    answers: list[Json] = [json.loads(job.result or "{}") for job in source.asked_before("propose")]
+    return next((one for one in answers if one.get("proposals")), {"proposals": []})
 
 
 TINY = re.compile(r"\b1e(-\d+)\b")

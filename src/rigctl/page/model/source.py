@@ -100,7 +100,23 @@ class Source:
         asked, shots = self._asked(effects)
         named = (kind, self.title, *effects, repr(more), shots, own.fingerprint())
         work = in_process(f"{FUNCTIONS}:{kind}_job", {**asked, **own.asked(), **more})
-        return self.daemon.jobs.submit(kind, self.title, work, named)
+        return self.daemon.jobs.submit(kind, self.title, work, named, folder=self._lies_in)
+
+    def asked_before(self, kind: str) -> list[Job]:
+        """Return the jobs that answered such a question about these shots, the latest first.
+
+        A campaign that bears the same name elsewhere is another one.
+        """
+        these = (kind, self.title, self._lies_in)
+        return [
+            job
+            for job in reversed(self.daemon.jobs.jobs())
+            if (job.kind, job.subject, job.folder) == these and job.result is not None
+        ]
+
+    @property
+    def _lies_in(self) -> str:
+        return "" if self.folder is None else str(self.folder)
 
     def stored(self, number: int) -> ShotRecord | None:
         """Return a shot of the store by its number; None where the shots are of a folder."""
