@@ -1,7 +1,8 @@
 """What jobs compute of a campaign; each function is called in a process of its own.
 
 Each takes one JSON object and a function that says how far it is, and returns a JSON object:
-`campaign` is the title, `files` are pairs of a manifest and a result, `with` names effects; a
+`campaign` is the title, `files` are pairs of a manifest and a result, `with` names effects; where
+`shots_of` names more of them, the fit is of those shots that the model with all of them uses. A
 `folder` in the place of `files` is a campaign's folder. `store` and `database` say where the
 catalogue is: the tables of a campaign that came without poses are found there. `own`, where it is
 there, is a folder of effects of the user's own; those that cannot be used are named in the answer
@@ -35,7 +36,7 @@ from analysis.model.data.stream import whole
 from analysis.model.data.tables import Data
 from analysis.model.design.undecided import explain_with_next
 from analysis.model.fitting.fit import Fit
-from analysis.model.fitting.robust_fit import robust_fit
+from analysis.model.fitting.robust_fit import on_shots_of, robust_fit
 from analysis.model.plane import impact_plane
 from analysis.model.proposals.document import confirmation_document
 from analysis.model.proposals.stated import Statement
@@ -265,8 +266,11 @@ def _fitted(asked: Json, progress: Progress) -> _Fitted:
     added = [known.named(name) for name in asked["with"]]
     data = _data(asked, progress)
     progress(f"fitting {', '.join(['the base model', *asked['with']])}", None)
+    later = [known.named(name) for name in asked.get("shots_of", ())]
     with faults_refused():
-        require_seen(data, added, "with")
+        require_seen(data, [*added, *later], "with")
         found = robust_fit(data, added)
+        if later:
+            found = on_shots_of(found, robust_fit(data, later))
     document = fit_document(asked["campaign"], asked["with"], found)
     return _Fitted(known, whole(found.data), found.fit, document)

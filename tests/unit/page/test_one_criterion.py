@@ -148,7 +148,7 @@ def test_an_effect_whose_full_fit_lowers_no_error_is_not_called_what_is_missing(
         {"effect": "drag", "promised_fall": promises, **stands_out},
     ]
     assert standing_of([found]).word is Word.MISSING
-    tried = {"camera-roll": {"prediction_error": left}}
+    tried = {"camera-roll": left / 1.78}
     standing = standing_of([found], tried=tried)
     assert standing.word is word
     said = asked_for(standing)

@@ -120,7 +120,7 @@ def weighed_again(
     same_noise = evidence.noise == AS_STATED and jitter_s == evidence.stated.jitter_s
     if kept.kept.all() and not kept.frames and same_noise and not _estimated(evidence.stated):
         return evidence, path
-    again = weighed(_jittered(evidence.stated, jitter_s), path[-1].fit.theory)
+    again = weighed(with_jitter(evidence.stated, jitter_s), path[-1].fit.theory)
     changed = (
         not np.array_equal(again.cleaned.kept, kept.kept)
         or again.cleaned.frames != kept.frames
@@ -138,13 +138,14 @@ def _estimated(data: CampaignData) -> bool:
     return isinstance(data, ContactTable) and data.estimated
 
 
-def _jittered(data: CampaignData, jitter_s: float) -> CampaignData:
+def with_jitter(data: CampaignData, jitter_s: float) -> CampaignData:
+    """Return a campaign whose frames come early or late by this much, s; a table has no frames."""
     return data if isinstance(data, ContactTable) else replace(data, jitter_s=jitter_s)
 
 
 def _refitter(data: CampaignData) -> Callable[[Stage], Stage]:
     def refit(stage: Stage) -> Stage:
-        own = data if JITTER.name in stage.effects else _jittered(data, 0.0)
+        own = data if JITTER.name in stage.effects else with_jitter(data, 0.0)
         return stage_of(own, fit_campaign(own, stage.fit.theory))
 
     return refit

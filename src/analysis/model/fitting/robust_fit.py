@@ -6,14 +6,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from analysis.effects.effect import ContactLaw, Effect
-from analysis.model.data.evidence import Evidence, stage_of, weighed, weighed_again
+from analysis.model.data.evidence import (
+    Evidence,
+    stage_of,
+    weighed,
+    weighed_again,
+    with_jitter,
+)
 from analysis.model.data.inside import without_contact_frames
 from analysis.model.data.stream import CampaignData
 from analysis.model.data.tables import ContactTable
 from analysis.model.fitting.account import Account
 from analysis.model.fitting.adding import added, law_again
 from analysis.model.fitting.air import with_measured_air
-from analysis.model.fitting.fit import Fit, fit_campaign
+from analysis.model.fitting.fit import Fit, beside_field, fit_campaign
 from analysis.model.fitting.slow_errors.sizes import with_measured_slow_errors
 
 NOT_SHOWN = "too few frames show its spheres apart, before the contact or after it"
@@ -96,3 +102,14 @@ def robust_fit_with(base: RobustFit, effects: Sequence[Effect]) -> RobustFit:
     if again is evidence and path[-1] is begun:
         return RobustFit(evidence, data, begun.fit)
     return RobustFit(again, again.data, path[-1].fit)
+
+
+def on_shots_of(found: RobustFit, later: RobustFit) -> RobustFit:
+    """Fit the effects of `found` to the shots, frames and noise that `later` is judged by.
+
+    With more effects some shots come back that lay off without them: only on the same shots the
+    errors of both compare.
+    """
+    data = later.data if found.data.jitter_s > 0 else with_jitter(later.data, 0.0)
+    fit = beside_field(data, fit_campaign(data, found.fit.theory))
+    return RobustFit(later.evidence, data, fit)

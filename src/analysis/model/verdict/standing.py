@@ -75,7 +75,7 @@ class Standing:
 def standing_of(
     path: Sequence[Json],
     concluded: VerdictReport | None = None,
-    tried: Mapping[str, Json] | None = None,
+    tried: Mapping[str, float] | None = None,
 ) -> Standing:
     """Return how the last of some fits stands.
 
@@ -87,8 +87,8 @@ def standing_of(
     concluded
         Verdict of the whole way, where it is known: it decides for the model that it ended with.
     tried
-        Fits with one more effect, by its name: one that was fitted in full is judged by its error
-        on unseen shots, in the place of what its score promises.
+        By which factor one more effect changes the error on unseen shots, by its name: one that
+        was fitted in full is judged by that, in the place of what its score promises.
     """
     found = path[-1]
     if found["shots"] < FEWEST:
@@ -141,16 +141,10 @@ def left_cells(found: Json) -> list[Json]:
     return [cell for cell in found["cells"] if cell["p_familywise"] < SURE]
 
 
-def _any_helps(found: Json, strong: Sequence[Json], tried: Mapping[str, Json]) -> bool:
+def _any_helps(found: Json, strong: Sequence[Json], tried: Mapping[str, float]) -> bool:
     """Say whether one of these effects lowers the error on unseen shots, or promises to."""
-    most = WORTH * found["prediction_error"]
     return any(
-        (
-            tried[one["effect"]]["prediction_error"]
-            if one["effect"] in tried
-            else promised_error(found, one)
-        )
-        < most
+        tried.get(one["effect"], promised_error(found, one) / found["prediction_error"]) < WORTH
         for one in strong
     )
 

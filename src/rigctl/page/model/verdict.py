@@ -175,7 +175,7 @@ def sentence(
     path: Sequence[Json],
     concluded: VerdictReport | None = None,
     finding: Callable[[Json], str] = named,
-    tried: Mapping[str, Json] | None = None,
+    tried: Mapping[str, float] | None = None,
 ) -> tuple[str, str, bool | None]:
     """Say how the last fit of a path stands: the point, what goes with it, whether all is well.
 

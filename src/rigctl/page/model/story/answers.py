@@ -63,6 +63,25 @@ def changed(before: Json, after: Json, card: Card) -> None:
             plot(before_after(cell, first, second)).props("data-testid=after")
 
 
+def came_back(shots: Sequence[int], *, same: bool) -> str:
+    """Say which shots were left out before an effect was added and fit with it.
+
+    `same` is whether what is drawn before and after is of the same shots.
+    """
+    one = len(shots) == 1
+    named = f"Shot {shots[0]}" if one else f"Shots {', '.join(map(str, shots))}"
+    was = "was left out before: it" if one else "were left out before: they"
+    fits, these = ("fits", "this one") if one else ("fit", "these")
+    drawn = (
+        f"Before and after are drawn of the same shots, {these} among them."
+        if same
+        else f"“After” alone has {these}: the model without the effect was not fitted to all shots."
+    )
+    return (
+        f"{named} {was} lay too far from the model without the effect, and {fits} with it. {drawn}"
+    )
+
+
 def of_the_same(points: Json, others: Json) -> Json:
     """Return those points of a cell whose shots and frames others have too.
 

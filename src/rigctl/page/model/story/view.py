@@ -12,7 +12,15 @@ from rigctl.documents import Json
 from rigctl.page.desk import Desk
 from rigctl.page.model.effect_words import described, left_out
 from rigctl.page.model.state import Effects, ModelState
-from rigctl.page.model.story.answers import changed, counted, error_bars, fell, law, worst_of
+from rigctl.page.model.story.answers import (
+    came_back,
+    changed,
+    counted,
+    error_bars,
+    fell,
+    law,
+    worst_of,
+)
 from rigctl.page.model.story.cards import card_of, in_plain
 from rigctl.page.model.story.errors import Unseen, falls_to
 from rigctl.page.model.story.ghost import ShotFilm
@@ -46,7 +54,7 @@ class Story:
     def __init__(self, desk: Desk, state: ModelState, take: Callable[[Effects], None]) -> None:
         self._desk, self._state, self._take = desk, state, take
         self._shown: Json | None = None
-        self._after: Json | None = None
+        self._fits: tuple[Json, Json] | None = None
         self._standing: Standing | None = None
         self._effect, self._waits = "", ""
         self._is_behind = self._is_before = False
@@ -90,7 +98,7 @@ class Story:
             self._effect = next(iter((*named, *(one["effect"] for one in seen))), "")
             if self._effect and not (standing is not None and standing.word is Word.FLOOR):
                 self._state.ask_trial(self._effect)
-            self._after = None
+            self._fits = None
             self._rail.refresh()
             now, self._late = self._first, self._fourth
             if not opens:
@@ -173,10 +181,10 @@ class Story:
         ui.run_javascript(to_step(3))
 
     def _draw(self) -> None:
-        self._after = self._state.tried(self._effect) if self._effect else None
+        self._fits = self._state.tried(self._effect) if self._effect else None
         self._waits = self._state.tries(self._effect)
         self._third.refresh()
-        if self._after is not None:
+        if self._fits is not None:
             self._fourth.refresh()
 
     def _seen(self, found: Json) -> list[Json]:
@@ -282,8 +290,7 @@ class Story:
         elif standing is not None and standing.word is Word.UNEXPLAINED:
             lede = f"None of {len(seen)} effects explains it. The best of them:"
         _lede(lede, "story-missing")
-        fits = found, self._after
-        lead_card(known[self._effect], fits, self._add, self._wait)
+        lead_card(known[self._effect], self._fits or (found, None), self._add, self._wait)
         like: list[str] = next((c["like"] for c in seen if c["effect"] == self._effect), [])
         alike = [c for c in seen if c["effect"] in like]
         others = [c for c in seen if c not in alike and c["effect"] != self._effect][:OTHERS]
@@ -347,6 +354,10 @@ class Story:
             card = card_of(described(found)[found["with"][-1]])
             _lede(fell(card.title, Unseen.of(before), Unseen.of(after)), "story-added")
             changed(before, after, card)
+            if back := self._state.come_back():
+                ui.label(came_back(back, same=self._state.is_of_the_same_shots)).classes(
+                    "note"
+                ).props("data-testid=came-back")
         else:
             ui.label(
                 "Nothing is added yet. “Add it” in step 3 puts the effect into the model and fits "
@@ -354,7 +365,7 @@ class Story:
             ).classes("lede")
         labels = ["model", *(f"+ {in_plain(name)}" for name in found["with"])][: len(path)]
         errors = [Unseen.of(stage) for stage in path]
-        tried = None if self._after is None else Unseen.of(self._after)
+        tried = None if self._fits is None else Unseen.of(self._fits[1])
         plot(staircase(labels, errors, tried)).props("data-testid=staircase")
         floor = "" if errors[0].floor is None else "Green: the floor, the noise itself. "
         looked = "" if tried is None else "Grey: the effect that is looked at in step 3, if added."
