@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -17,7 +18,7 @@ from analysis.arrays import Floats
 from analysis.balls.analysis import AnalysedFilm
 from analysis.balls.films.film import Picture
 from analysis.balls.flight.flights import Flights
-from analysis.balls.measuring import coefficient
+from analysis.balls.measuring import MeasuredBall, coefficient
 from analysis.figures.palette import FAILS, GREY, MEASURED, SPHERE_A
 from analysis.quantity import Quantity
 
@@ -60,17 +61,43 @@ def _over_a_frame(axes: Axes, film: AnalysedFilm) -> None:
         axes.add_patch(
             Circle((column, row), measured.looks.radius_px, fill=False, color=colour, lw=0.9)
         )
-    axes.plot(placed.places[:, 1], placed.places[:, 0], ".", color=colour, ms=2.5)
+    _dots(axes, measured, placed.places[:, 1], colour)
     if measured.flights is not None:
         for times, arcs in _pieces(measured.flights):
             way = measured.flights.at(times, arcs)
             axes.plot(way[:, 1], way[:, 0], color=FAILS, lw=0.8)
-        _plate(axes, measured.flights, picture.shape[1])
+        places = _contacts(measured.flights)
+        _ring(axes, places[:, 1], places[:, 0])
     axes.set_xlim(-0.5, picture.shape[1] - 0.5)
     axes.set_ylim(picture.shape[0] - 0.5, -0.5)
     axes.set_title(f"frame {shown}", fontsize=9, loc="left", color=GREY)
     axes.set_xlabel("column, px")
     axes.set_ylabel("row, px")
+
+
+def _dots(axes: Axes, measured: MeasuredBall, across: Floats, colour: str) -> None:
+    """Draw the ball's rows against something; crosses are places that do not count."""
+    rows = measured.placed.places[:, 0]
+    counts = np.ones(len(rows), dtype=bool)
+    if measured.flights is not None:
+        counts = measured.flights.used
+    mark(axes, (across[counts], rows[counts]), 7.0, color=colour, lw=0, label="places")
+    if not counts.all():
+        out = across[~counts], rows[~counts]
+        mark(axes, out, 14.0, marker="x", color=GREY, lw=0.8, label="left out")
+
+
+def _ring(axes: Axes, across: Floats, rows: Floats) -> None:
+    mark(axes, (across, rows), 50.0, facecolor="none", edgecolor=FAILS, label="bounces", zorder=3)
+
+
+def mark(axes: Axes, places: tuple[Floats, Floats], size: float, **look: Any) -> None:  # noqa: ANN401 - Matplotlib's
+    """Draw marks of one size where they are.
+
+    Marks that share one size are drawn at whole pixels, up to one beside the flights: each has its
+    own.
+    """
+    axes.scatter(*places, s=np.full(len(places[0]), size), **look)
 
 
 def _visible(picture: Picture) -> NDArray[np.float64]:
@@ -89,24 +116,46 @@ def _pieces(flights: Flights) -> list[tuple[Floats, NDArray[np.intp]]]:
     ]
 
 
-def _plate(axes: Axes, flights: Flights, width: int) -> None:
-    """Mark where the ball's centre meets the plate."""
-    for times, arcs in _pieces(flights)[1:]:
-        row, column, _ = flights.at(times[:1], arcs[:1])[0]
-        axes.plot(column, row, "o", mfc="none", mec=FAILS, ms=7)
+def _contacts(flights: Flights) -> Floats:
+    """Return row and column of the ball's centre where it meets the plate, shape (bounces, 2)."""
+    return flights.at(flights.contacts[:, 0], np.arange(flights.bounces))[:, :2]
 
 
 def _course(axes: Axes, film: AnalysedFilm) -> None:
     measured = film.measured
     placed = measured.placed
-    axes.plot(measured.times_s[placed.frames], placed.places[:, 0], ".", color=MEASURED, ms=3)
+    _dots(axes, measured, measured.times_s[placed.frames], MEASURED)
     flights = measured.flights
     if flights is not None:
         for times, arcs in _pieces(flights):
             way = flights.at(times, arcs)
-            axes.plot(times - flights.row_delay(way), way[:, 0], color=FAILS, lw=0.8)
+            axes.plot(
+                times - flights.row_delay(way),
+                way[:, 0],
+                color=FAILS,
+                lw=0.8,
+                label="flights" if arcs[0] == 0 else None,
+            )
+        _mark_bounces(axes, flights)
+    _legend(axes)
     axes.invert_yaxis()
     axes.set_ylabel("row, px")
+
+
+def _mark_bounces(axes: Axes, flights: Flights) -> None:
+    """Ring the bounces on the film's clock, and number them as their coefficients are."""
+    places = _contacts(flights)
+    times = flights.contacts[:, 0] - flights.row_delay(places)
+    _ring(axes, times, places[:, 0])
+    for number, (time, row) in enumerate(zip(times, places[:, 0], strict=True), start=1):
+        axes.annotate(
+            str(number),
+            (time, row),
+            (0.0, 9.0),
+            textcoords="offset points",
+            fontsize=8,
+            ha="center",
+        )
 
 
 def _residuals(axes: Axes, film: AnalysedFilm) -> None:
@@ -121,15 +170,18 @@ def _residuals(axes: Axes, film: AnalysedFilm) -> None:
         axes.plot(
             times, flights.residuals[flights.used, index], ".", color=colour, ms=3, label=name
         )
-    # Above the axes: within them it would lie on the points.
+    _legend(axes)
+
+
+def _legend(axes: Axes) -> None:
+    """Name what is drawn above the axes: within them the names would lie on the points."""
     axes.legend(
         fontsize=8,
         frameon=False,
         loc="lower right",
         bbox_to_anchor=(1.0, 0.96),
-        ncols=2,
-        markerscale=2.0,
-        handletextpad=0.1,
+        ncols=4,
+        handletextpad=0.3,
     )
 
 

@@ -185,7 +185,11 @@ class Flights:
 
     def at(self, times_s: Floats, arcs: Ints) -> Floats:
         """Return row, column and distance at times (of their own rows) in flights, shape (N, 3)."""
-        found = np.empty((len(times_s), 3))
+        # The film's own ends beside the times: by its length flights from bounce to bounce are cut.
+        ends = self.observed.times_s[[0, -1]]
+        times = np.concatenate([ends[:1], times_s, ends[1:]])
+        flights = np.concatenate([[0], arcs, [self.bounces]])
+        found = np.empty((len(times), 3))
         contacts = np.empty((self.bounces, 6))
-        path.places(self.values, times_s, arcs, found, contacts)
-        return found
+        path.places(self.values, times, flights, found, contacts)
+        return found[1:-1]

@@ -293,3 +293,19 @@ def test_speeds_are_within_their_errors_where_slow_contacts_last_longer(power: f
             sigma = math.sqrt(slope @ found.covariance @ slope)
             pulls.append((contact[1] - found.scale_px_per_m * speed) / sigma)
     assert np.sqrt(np.mean(np.square(pulls))) < 1.6
+
+
+def test_each_flight_asked_for_alone_begins_where_the_ball_leaves_the_plate() -> None:
+    law = [*BOUNCES, (BOUNCES[1][0] + 2 * 1.45 / 9.80665, 1.45, 1.1)]
+    flights = fit_flights(parabolas(np.random.default_rng(6), law, 1.15), start(law), known())
+    assert flights is not None
+    assert flights.bounces == 3
+    for k, (time, _, _) in enumerate(law):
+        row, column, _ = flights.at(np.array([time]), np.array([k]))[0]
+        assert row == pytest.approx(PLATE, abs=0.5)
+        assert column == pytest.approx(100 + 20 * time, abs=0.5)
+        # Where the ball was free for a moment of this flight, and no other time is asked for.
+        after = flights.at(np.array([time + 0.05]), np.array([k + 1]))[0]
+        up = law[k][2]
+        drawn = PLATE - SCALE * (up * 0.05 - 0.5 * 9.80665 * 0.05**2)
+        assert after[0] == pytest.approx(drawn, abs=0.5)
