@@ -116,6 +116,21 @@ THESIS_SETUP = Setup(
 """The second apparatus of the thesis: the set-up of frames that come without one."""
 
 
+def shows_something_else(campaign: Campaign) -> bool:
+    """Return whether frames may show other bodies than those of the thesis, for which they passed.
+
+    Nobody said what they show, and they can be read.
+    """
+    job = next(iter(campaign.jobs))
+    if job.setup != THESIS_SETUP:
+        return False
+    try:
+        read_frames(job.frames)
+    except InputError:
+        return False
+    return True
+
+
 def read_campaign(path: Path, setup: Setup | None = None) -> Campaign:
     """Find the shots of a campaign folder, or take one file or folder of frames as one shot.
 
@@ -166,13 +181,14 @@ def joined(campaigns: Sequence[Campaign]) -> Campaign:
 
 def _campaign_folder(path: Path) -> Campaign:
     name, setup = read_description(path / DESCRIPTION)
+    if (path / POSES).exists() and not (path / FRAMES).exists():
+        raise InputError(path, "the folder holds poses and no frames; `rigctl model` reads it")
     if any(sphere.plate for sphere in setup.spheres):
         raise InputError(
             path / DESCRIPTION,
-            "spheres: frames of a sphere on a plate are not analysed; give contacts.csv",
+            "spheres: b is a plate; a film of one ball is measured by `rigctl analyse`, apart from "
+            "films of two spheres",
         )
-    if (path / POSES).exists() and not (path / FRAMES).exists():
-        raise InputError(path, "the folder holds poses and no frames; `rigctl model` reads it")
     jobs = ListedJobs(path, setup)
     if len(jobs) == 0:
         raise InputError(path / SHOT_LIST, "names no shots")

@@ -132,13 +132,17 @@ def test_the_command_prints_one_document_of_the_promised_form(
         assert abs(lasts["value"]) < 3 * lasts["sigma"] < 1e-4
 
 
-def test_a_refused_shot_is_an_answer_and_ends_with_success(
+def test_a_film_of_which_nothing_is_measured_ends_with_2_and_its_reason(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     np.save(tmp_path / "0003.npy", np.full((8, 192, 240), 40, dtype=np.uint8))
-    assert cli.run(["analyse", str(tmp_path / "0003.npy"), "--json"]) == 0
-    (shot,) = json.loads(capsys.readouterr().out)["shots"]
+    assert cli.run(["analyse", str(tmp_path / "0003.npy"), "--json"]) == 2
+    shown = capsys.readouterr()
+    (shot,) = json.loads(shown.out)["shots"]
     assert (shot["shot"], shot["status"]) == (3, "refused")
+    assert shot["reason"] in shown.err
+    # Perhaps it shows something else than two marked spheres.
+    assert "--ball-diameter-mm" in shown.err
     assert shot["step"] in {"outlines", "assignment"}
 
 

@@ -29,6 +29,7 @@ def ball_document(measured: MeasuredBall, notes: tuple[str, ...]) -> Json:
     if len(impacts) == 1:
         document |= impacts[0]
     document["impacts"] = impacts
+    document["frame_rate_hz"] = 1.0 / float(np.median(np.diff(measured.times_s)))
     looks, placed = measured.looks, measured.placed
     document["ball"] = {
         "diameter_px": Quantity(2 * looks.radius_px, 2 * looks.radius_sigma_px, "px").to_json()

@@ -221,8 +221,13 @@ class Results:
         return self.lines.parameters()
 
 
-def results(data: Data) -> Results:
+def results(data: Data, measured: Impacts | None = None) -> Results:
     """Measure all impacts of a campaign and fit what they follow.
+
+    Parameters
+    ----------
+    measured
+        The impacts, where they were measured of more than the data hold.
 
     Raises
     ------
@@ -230,7 +235,7 @@ def results(data: Data) -> Results:
         No shot has a measured impact.
     """
     found = robust_fit(data)
-    impacts = _impacts(data, found)
+    impacts = _impacts(data, found) if measured is None else measured
     unusable = [LeftOut(number, NO_BOTH) for number in found.evidence.stated.unusable]
     each, lines = ratios(impacts), fit_lines(impacts)
     other = contacts_that_last(found, lines)

@@ -78,8 +78,14 @@ def residual_figure(found: Results) -> Figure:
         held.sliding.residual / held.sliding.sigma,
         held.sticking.residual / held.sticking.sigma,
     )
-    _pulls(axes[0], found.impacts.approach, held.normal_residual / held.normal_sigma, found)
-    _pulls(axes[1], found.ratios.incidence.value, np.where(surface, along, np.nan), found)
+    normal = held.normal_residual / held.normal_sigma
+    along = np.where(surface, along, np.nan)
+    _pulls(axes[0], found.impacts.approach, normal, found)
+    _pulls(axes[1], found.ratios.incidence.value, along, found)
+    # Both panels share their heights: the farthest shot of the two is within them.
+    shown = np.abs(np.concatenate([normal, along]))
+    far = max(3.5, 1.15 * float(np.nanmax(shown, initial=0.0)))
+    axes[0].set_ylim(-far, far)
     axes[0].set_xlabel("approach speed $|v_n|$, m/s")
     axes[1].set_xlabel("$v_s / |v_n|$ before contact")
     axes[0].set_ylabel("residual, standard errors")
@@ -99,18 +105,20 @@ def _laws(axes: Axes, found: Results, x: Floats) -> None:
         maw = maw_curve(law.e, law.mu, lever, x)
         axes.plot(x, maw, color=FLOOR, linewidth=1.6, linestyle="--", label=name)
     fitted = regression_curve(found.lines, lever, x)
-    axes.plot(x, fitted, color=FAILS, linewidth=1.6, label="Walton, by regression")
+    if np.isfinite(fitted).any():
+        axes.plot(x, fitted, color=FAILS, linewidth=1.6, label="Walton, by regression")
 
 
 def _shots(axes: Axes, found: Results) -> None:
     slides, each, used = found.lines.held.slides, found.ratios, found.lines.used
+    seen = found.impacts.surface
     sticks = used & (slides <= 1 - SURE)
     slid = used & (slides >= SURE)
     kinds = (
         ("sticks", sticks, MEASURED),
         ("slides", slid, SPHERE_B),
-        ("either", used & ~sticks & ~slid, GREY),
-        ("not in the regression", ~used, OUT),
+        ("either", used & seen & ~sticks & ~slid, GREY),
+        ("not in the regression", ~used & seen, OUT),
     )
     for name, chosen, colour in kinds:
         if chosen.any():
@@ -169,5 +177,3 @@ def _pulls(axes: Axes, x: Floats, pulls: Floats, found: Results) -> None:
             alpha=0.9,
             rasterized=len(x) > MOST_DRAWN,
         )
-    far = max(3.5, 1.15 * float(np.nanmax(np.abs(pulls), initial=0.0)))
-    axes.set_ylim(-far, far)

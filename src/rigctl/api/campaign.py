@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -60,7 +61,7 @@ class Campaign:
         if self._measured is None:
             self._measured = self._source.measured(workers)
             return Shots(self.name, self._measured)
-        return Shots(self.name, Measured(self._measured.data, self._measured.refused))
+        return Shots(self.name, replace(self._measured, now=0))
 
     def fit(self, *effects: Given) -> Fit:
         """Fit the hard-sphere law and effects: names, files of one's own, or effects themselves.

@@ -19,11 +19,18 @@ from hashlib import file_digest, sha256
 from pathlib import Path
 from typing import Protocol
 
-from analysis.campaign import Campaign, ShotJob, analyse_campaign, training_jobs
+from analysis.campaign import (
+    Campaign,
+    ShotJob,
+    analyse_campaign,
+    shows_something_else,
+    training_jobs,
+)
 from analysis.exchange.pose_table import PoseRow
 from analysis.exchange.shot_list import ShotRow
 from analysis.model.data.gather import pose_data
 from analysis.model.data.tables import Data
+from analysis.results.impacts import Impacts
 from analysis.setup import Setup, SlowErrors, without_exposure
 from analysis.shot import AnalysisOptions, Method
 from analysis.slow_errors import typical
@@ -47,11 +54,14 @@ class Measured:
         Why each other shot was not measured, by its number.
     now
         How many shots were measured now; of the others the results were there.
+    impacts
+        Of films of a ball, whose fit has measured them; None: they follow from the data.
     """
 
     data: Data
     refused: Mapping[int, str] = field(default_factory=dict)
     now: int = 0
+    impacts: Impacts | None = None
 
 
 class Source(Protocol):
@@ -76,6 +86,10 @@ class Source(Protocol):
         """
 
 
+OTHER_FILMS = (
+    "frames without a set-up are taken for those of two marked spheres of 25.4 mm: of a ball that "
+    "bounces state the diameter, ball_diameter_mm=40; of other spheres setup=campaign.toml"
+)
 VARIABLE = "RIGCTL_CACHE"
 """Environment variable that names another folder."""
 LATER_ROOMS = frozenset(
@@ -238,5 +252,6 @@ class Frames:
         data = pose_data(shots, rows, setup) if counting_shots else None
         if data is None or not data.seen.any():
             why = next((f"; shot {shot}: {text}" for shot, text in refused.items()), "")
-            raise AnalysisInputError(f"no shot can be measured{why}", part=self.name)
+            todo = OTHER_FILMS if shows_something_else(self.campaign) else None
+            raise AnalysisInputError(f"no shot can be measured{why}", part=self.name, todo=todo)
         return Measured(data, refused, now)

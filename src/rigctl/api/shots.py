@@ -7,6 +7,8 @@ from functools import cached_property
 from html import escape
 from typing import TYPE_CHECKING, Literal
 
+import numpy as np
+
 from analysis.model.data.columns import ORDER
 from analysis.model.data.poses import PoseData
 from analysis.model.data.tables import Data
@@ -77,14 +79,15 @@ class Shots:
         columns, units = self._columns()
         return as_table(columns, units)
 
-    def plot(self, of: Picture = "rebound") -> Axes:
+    def plot(self, of: Picture | None = None) -> Axes:
         """Draw the shots with the lines that are fitted to them.
 
         Parameters
         ----------
         of
             `rebound`: figure 7.4, v_s' / |v_n| against v_s / |v_n|; `restitution`: e against |v_n|;
-            `residuals`: how far each shot lies from the lines.
+            `residuals`: how far each shot lies from the lines. None: `rebound`, and `restitution`
+            of spheres without markers, whose v_s nobody sees.
 
         Returns
         -------
@@ -102,6 +105,8 @@ class Shots:
             "restitution": drawing.restitution_figure,
             "residuals": drawing.residual_figure,
         }
+        if of is None:
+            of = "rebound" if self._impacts.surface.any() else "restitution"
         return draw[of](self._results).axes[0]
 
     def _repr_html_(self) -> str:
@@ -113,23 +118,26 @@ class Shots:
 
     @cached_property
     def _impacts(self) -> Impacts:
-        data = self._data
+        data, measured = self._data, self._measured.impacts
+        if measured is not None:
+            return measured
         return pose_impacts(data) if isinstance(data, PoseData) else table_impacts(data)
 
     @cached_property
     def _results(self) -> Results:
         try:
-            return results(self._data)
+            return results(self._data, self._measured.impacts)
         except TooFewShotsError as error:
             raise AnalysisInputError(str(error), part=self.name) from error
 
     def _columns(self) -> tuple[dict[str, Array], dict[str, str]]:
         impacts, data = self._impacts, self._data
-        measured = [shot in set(impacts.shots.tolist()) for shot in data.shots.tolist()]
+        row = {shot: k for k, shot in enumerate(data.shots.tolist())}
+        rows = np.array([row.get(shot, -1) for shot in impacts.shots.tolist()], dtype=np.intp)
         columns: dict[str, Array] = {"shot": impacts.shots}
         for name, values in sorted(data.covariates.items()):
             if name != ORDER:
-                columns[name] = values[measured]
+                columns[name] = np.where(rows < 0, np.nan, values[rows])
         each = ratios(impacts)
         quantities = dict(zip(VELOCITIES, velocities(impacts), strict=True))
         quantities |= {"e": each.e, "beta": each.beta, "f": each.f}

@@ -64,11 +64,26 @@ def write_ball_campaign(
     shots
         Documents of films with their numbers as `shot`; one without a bounce is left out.
     """
-    rate_hz, size = camera
     flights = {shot["shot"]: shot["poses"] for shot in shots if "poses" in shot}
+    setup = ball_setup(ball, camera, list(flights.values()))
+    write_ball_poses(folder, name, setup, {n: pose_rows(one) for n, one in flights.items()})
+
+
+def ball_setup(
+    ball: Ball, camera: tuple[float | None, tuple[int, int]], told: Sequence[Json]
+) -> Setup:
+    """Return the set-up in which the poses of measured films stand.
+
+    Parameters
+    ----------
+    camera
+        As `write_ball_campaign` has it.
+    told
+        `poses` of the films' documents.
+    """
+    rate_hz, size = camera
     density = UNKNOWN_DENSITY if ball.density is None else ball.density
-    told = list(flights.values())
-    setup = Setup(
+    return Setup(
         camera=CameraSetup(
             rate_hz or 1.0,
             *size,
@@ -92,7 +107,6 @@ def write_ball_campaign(
             one_body_frame=False,
         ),
     )
-    write_ball_poses(folder, name, setup, {n: _pose_rows(one) for n, one in flights.items()})
 
 
 def _mean_normal(flights: Sequence[Json]) -> tuple[float, float, float] | None:
@@ -103,7 +117,7 @@ def _mean_normal(flights: Sequence[Json]) -> tuple[float, float, float] | None:
     return float(x), float(y), float(z)
 
 
-def _pose_rows(poses: Json) -> list[PoseRow]:
+def pose_rows(poses: Json) -> list[PoseRow]:
     """Return the rows of poses.csv; orientations and the third coordinate were not seen."""
     columns = (poses[key] for key in ("frame", "t_s", "x_m", "y_m", "sigma_x_m", "sigma_y_m"))
     return [

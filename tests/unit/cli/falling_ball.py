@@ -78,6 +78,10 @@ def bouncing(count: int = 100, e: float = 0.8, per_frame: int = 1) -> list[float
 
 
 def answer(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict[str, Any]:
-    assert cli.run(["analyse", *arguments, "--json"]) == 0
-    (shot,) = json.loads(capsys.readouterr().out)["shots"]
+    """Return the one shot of a film; the command says by its end whether it was measured."""
+    code = cli.run(["analyse", *arguments, "--json"])
+    shown = capsys.readouterr()
+    (shot,) = json.loads(shown.out)["shots"]
+    assert code == (0 if shot["status"] == "measured" else cli.BAD_INPUT)
+    assert (shot["status"] == "measured") or shot["reason"] in shown.err
     return dict(shot)

@@ -70,7 +70,7 @@ def test_a_request_of_which_no_frames_can_be_read_says_why_and_ends_with_2(
     assert all("0002.npy: not a whole NPY file" in reason for reason in reasons)
     assert len(reasons) == 2
     assert shown.err == (
-        "rigctl: 0002: no frames of any shot can be read; the reason stands beside each shot\n"
+        "rigctl: 0002: none of its 2 shots is measured; the reason stands beside each shot\n"
     )
     assert not out.exists()
 

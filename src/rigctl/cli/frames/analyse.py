@@ -23,6 +23,7 @@ from analysis.campaign import (
     analyse_campaign,
     joined,
     read_campaign,
+    shows_something_else,
 )
 from analysis.document import shot_document
 from analysis.errors import InputError
@@ -35,13 +36,14 @@ from analysis.tracking import Matching
 from rigctl.cli.frames.balls import (
     BallRequest,
     analyse_balls,
-    is_ball_campaign,
+    nothing_measured,
     refuse_options_of_a_ball,
 )
 from rigctl.cli.frames.compile_note import announce_compiling
 from rigctl.cli.options import Json, MeasuredBy, Method, Workers
 from rigctl.cli.spool import Spool, print_document
 from rigctl.errors import AnalysisInputError
+from rigctl.measuring.ball_films import shows_one_ball
 
 HEADINGS = (
     *("shot", "contact\nms", "lasts\nus", "v_n\nm/s", "v_s\nm/s", "v_n'\nm/s", "v_s'\nm/s"),
@@ -49,11 +51,21 @@ HEADINGS = (
 )
 _CAPTION = "in brackets: standard error in units of the last digit"
 _CELL = "\t"
+OTHER_FILMS = (
+    "frames without a set-up are taken for those of two marked spheres of 25.4 mm: of a ball that "
+    "bounces state the diameter, --ball-diameter-mm 40; of other spheres --setup campaign.toml"
+)
 
 
 def shot_object(number: int, shot: MeasuredShot | RefusedShot) -> str:
     """Return the result of a shot as a JSON object on one line."""
     return json.dumps({"shot": number, **shot_document(shot)}, allow_nan=False)
+
+
+def refusal(number: int, shot: RefusedShot) -> str:
+    """Return the sentence on a refused shot."""
+    place = "" if shot.frame is None else f", frame {shot.frame}"
+    return f"shot {number} refused at {shot.step}{place}: {' '.join(shot.reason.split())}"
 
 
 class ShotTable:
@@ -78,9 +90,7 @@ class ShotTable:
     def add(self, number: int, shot: MeasuredShot | RefusedShot) -> None:
         """Append a shot."""
         if isinstance(shot, RefusedShot):
-            place = "" if shot.frame is None else f", frame {shot.frame}"
-            reason = " ".join(shot.reason.split())
-            self._refused.add(f"shot {number} refused at {shot.step}{place}: {reason}")
+            self._refused.add(refusal(number, shot))
             return
         cells = _cells(number, shot)
         self._widths = [max(w, len(cell)) for w, cell in zip(self._widths, cells, strict=True)]
@@ -190,13 +200,14 @@ def analyse(
     StoreError
         The temporary folder is full.
     """
-    if ball_diameter_mm is not None or plate or all(map(is_ball_campaign, paths)):
+    if ball_diameter_mm is not None or plate or all(shows_one_ball(path, setup) for path in paths):
         asked = BallRequest(
             paths=paths,
             diameter_mm=ball_diameter_mm,
             mass_g=ball_mass_g,
             rate_hz=fps,
             exposure_us=exposure_us,
+            setup=setup,
             window=roi,
             frames=frames,
             lens=lens,
@@ -218,8 +229,14 @@ def analyse(
     _keep_sources(paths, out)
     options = _options(method, sigma_px, samples, matching, three=three)
     with Spool() as objects, ShotTable() as table:
+        measured, refused = 0, ""
 
         def tell(number: int, shot: Shot) -> None:
+            nonlocal measured, refused
+            if isinstance(shot, MeasuredShot):
+                measured += 1
+            else:
+                refused = refused or refusal(number, shot)
             if json:
                 objects.add(shot_object(number, shot))
             else:
@@ -231,10 +248,11 @@ def analyse(
             campaign = joined([read_campaign(path, known) for path in paths])
             announce_compiling(method)
             started = time.perf_counter()
-            read = 0
+            read, rates = 0, set[float]()
             with _written(campaign, out, figures) as write:
                 for job, shot, count in _watched(campaign, options, workers):
                     read += count
+                    rates.add(job.setup.camera.frame_rate_hz)
                     tell(job.shot, shot)
                     write(job, shot, count)
             elapsed = time.perf_counter() - started
@@ -244,19 +262,17 @@ def analyse(
             head = {
                 "campaign": campaign.name,
                 "method": method,
+                "frame_rate_hz": rates.pop() if len(rates) == 1 else None,
                 "frames_per_second": round(read / elapsed, 1),
                 "unlisted": [str(path) for path in campaign.unlisted],
             }
             print_document(head, "shots", objects)
-        else:
+        elif measured or len(campaign.jobs) > 1:
             table.print(campaign.name)
     _name_unlisted(campaign)
-    if read == 0:
-        raise AnalysisInputError(
-            "no frames of any shot can be read",
-            part=campaign.name,
-            todo="the reason stands beside each shot",
-        )
+    if not measured:
+        todo = OTHER_FILMS if setup is None and shows_something_else(campaign) else None
+        raise nothing_measured(campaign.name, len(campaign.jobs), refused, todo)
 
 
 def _name_unlisted(campaign: Campaign) -> None:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from rich.console import Console
@@ -15,18 +15,13 @@ from analysis.balls.analysis import AnalysedFilm, FilmJob, analyse_film
 from analysis.balls.carried import NotFlyingError
 from analysis.balls.document import Json, ball_document, positions
 from analysis.balls.films.part import Cut
-from analysis.balls.films.reading import film_of_shot
-from analysis.balls.flight.known import Ball
-from analysis.balls.lens.lens import read_lens
-from analysis.campaign import DESCRIPTION, FRAMES, SHOT_LIST
 from analysis.errors import InputError, ShotRefusedError
-from analysis.exchange.description import read_description
-from analysis.exchange.shot_list import EXPOSURE, read_shot_list
 from analysis.figures.ball_film import draw_ball_film
 from analysis.quantity import Quantity
-from analysis.setup import Setup
 from rigctl.errors import AnalysisInputError, SettingsError
-from rigctl.measuring.own_film import stated_ball, write_ball_campaign
+from rigctl.input_errors import as_analysis_errors
+from rigctl.measuring.ball_films import Stated, ball_films
+from rigctl.measuring.own_film import write_ball_campaign
 
 METHOD = "ball"
 Films = tuple[Sequence[FilmJob], tuple[int, int]]
@@ -42,11 +37,13 @@ class BallRequest:
     paths
         Films, or campaign folders whose sphere b is a plate.
     diameter_mm
-        Of the ball; None: every path is a campaign's folder.
+        Of the ball; None: as the campaign's folder, or the set-up, has it.
     mass_g
         Of the ball; None: unknown, unless a folder states its density.
     rate_hz, exposure_us
         Of the camera; None: as the files say.
+    setup
+        campaign.toml for films that lie in no campaign's folder.
     window
         `x,y,w,h`: the part of the picture to look at.
     frames
@@ -64,21 +61,12 @@ class BallRequest:
     mass_g: float | None = None
     rate_hz: float | None = None
     exposure_us: float | None = None
+    setup: Path | None = None
     window: str | None = None
     frames: str | None = None
     lens: Path | None = None
     figure: Path | None = None
     out: Path | None = None
-
-
-def is_ball_campaign(path: Path) -> bool:
-    """Return whether a path is a campaign's folder whose sphere b is a plate, with frames."""
-    if not (path / DESCRIPTION).exists() or not (path / FRAMES).exists():
-        return False
-    try:
-        return read_description(path / DESCRIPTION)[1].spheres[1].plate
-    except InputError:
-        return False
 
 
 def refuse_options_of_a_ball(given: Mapping[str, object]) -> None:
@@ -103,18 +91,25 @@ def analyse_balls(request: BallRequest, *, as_json: bool) -> None:
     SettingsError
         An option is no range.
     """
-    try:
-        name, jobs = _jobs(request)
-    except InputError as error:
-        raise AnalysisInputError(error.reason, part=error.path) from error
+    stated = Stated(
+        diameter_mm=request.diameter_mm,
+        mass_g=request.mass_g,
+        rate_hz=request.rate_hz,
+        exposure_us=request.exposure_us,
+        cut=_cut(request),
+        lens=request.lens,
+        setup=request.setup,
+    )
+    with as_analysis_errors():
+        films = ball_films(request.paths, stated)
+    name, jobs = films.name, films.jobs
     started = time.perf_counter()
     shots: list[Json] = []
-    frames, unreadable, size = 0, None, (480, 640)
+    frames, size = 0, (480, 640)
     for job in jobs:
         try:
             film = analyse_film(job)
         except InputError as error:
-            unreadable = error
             shots.append(_refused(job, "frames", str(error)))
             continue
         except ShotRefusedError as refusal:
@@ -128,83 +123,57 @@ def analyse_balls(request: BallRequest, *, as_json: bool) -> None:
         if request.figure is not None:
             _draw(request.figure, name, job, film, alone=len(jobs) == 1)
     elapsed = time.perf_counter() - started
+    rates = {shot["frame_rate_hz"] for shot in shots if "frame_rate_hz" in shot}
     document = {
         "campaign": name,
         "method": METHOD,
+        "frame_rate_hz": rates.pop() if len(rates) == 1 else None,
         "frames_per_second": round(frames / elapsed, 1),
         "unlisted": [],
         "shots": shots,
     }
     if request.out is not None:
         _write(request.out, name, (jobs, size), shots)
+    refused = [_sentence(shot) for shot in shots if shot["status"] == "refused"]
+    nothing = len(refused) == len(shots)
     if as_json:
         print(json.dumps(document, allow_nan=False))  # noqa: T201
-    else:
+    elif not nothing or len(shots) > 1:
         _print(document)
-    if unreadable is not None and frames == 0:
-        raise AnalysisInputError(unreadable.reason, part=unreadable.path)
+    if nothing:
+        raise nothing_measured(name, len(shots), refused[0])
+
+
+def nothing_measured(
+    name: str, shots: int, refusal: str, todo: str | None = None
+) -> AnalysisInputError:
+    """Return the error that ends a command of which no shot is measured.
+
+    Parameters
+    ----------
+    refusal
+        The sentence on the first shot, which is said here where there is no other.
+    todo
+        What may be missing of all of them.
+    """
+    if shots == 1:
+        return AnalysisInputError(f"nothing is measured: {refusal}", part=name, todo=todo)
+    beside = "the reason stands beside each shot"
+    return AnalysisInputError(
+        f"none of its {shots} shots is measured",
+        part=name,
+        todo=beside if todo is None else f"{beside}; {todo}",
+    )
+
+
+def _sentence(shot: Json) -> str:
+    place = f", frame {shot['frame']}" if "frame" in shot else ""
+    return f"shot {shot['shot']} refused at {shot['step']}{place}: {shot['reason']}"
 
 
 def _refused(job: FilmJob, step: str, reason: str, frame: int | None = None) -> Json:
     place = {} if frame is None else {"frame": frame}
     return {"shot": job.shot, "status": "refused", "step": step, **place, "reason": reason}
-
-
-def _jobs(request: BallRequest) -> tuple[str, list[FilmJob]]:
-    jobs: list[FilmJob] = []
-    names = []
-    for path in request.paths:
-        if (path / DESCRIPTION).exists():
-            name, setup = read_description(path / DESCRIPTION)
-            names.append(name)
-            jobs += _of_folder(path, setup, request)
-        else:
-            names.append(path.stem)
-            number = int(path.stem) if path.stem.isdecimal() else len(jobs) + 1
-            jobs.append(_job(number, path, _stated_ball(request), request))
-    if len({job.shot for job in jobs}) < len(jobs):
-        jobs = [replace(job, shot=number) for number, job in enumerate(jobs, start=1)]
-    return "+".join(dict.fromkeys(names)), jobs
-
-
-def _of_folder(folder: Path, setup: Setup, request: BallRequest) -> Iterator[FilmJob]:
-    ball = Ball.of_setup(setup)
-    if request.diameter_mm is not None:
-        ball = _stated_ball(request)
-    rows = read_shot_list(folder / SHOT_LIST)
-    if not rows:
-        raise InputError(folder / SHOT_LIST, "names no shots")
-    for row in rows:
-        job = _job(row.shot, film_of_shot(folder / FRAMES, row.shot), ball, request)
-        exposure = row.numbers.get(EXPOSURE)
-        if job.exposure_s is None and exposure is not None:
-            job = replace(job, exposure_s=1e-6 * exposure)
-        if job.rate_hz is None:
-            job = replace(job, rate_hz=setup.camera.frame_rate_hz)
-        yield job
-
-
-def _job(number: int, path: Path, ball: Ball, request: BallRequest) -> FilmJob:
-    exposure = request.exposure_us
-    return FilmJob(
-        shot=number,
-        path=path,
-        ball=ball,
-        rate_hz=request.rate_hz,
-        exposure_s=None if exposure is None else 1e-6 * exposure,
-        cut=_cut(request),
-        lens=None if request.lens is None else read_lens(request.lens),
-    )
-
-
-def _stated_ball(request: BallRequest) -> Ball:
-    if request.diameter_mm is None:
-        raise SettingsError(
-            "is missing",
-            part="--ball-diameter-mm",
-            todo="state how large the ball is, as in --ball-diameter-mm 40",
-        )
-    return stated_ball(request.diameter_mm, request.mass_g)
 
 
 def _cut(request: BallRequest) -> Cut | None:
@@ -263,7 +232,7 @@ def _print(document: Json) -> None:
     sentences = []
     for shot in document["shots"]:
         if shot["status"] == "refused":
-            sentences.append(f"shot {shot['shot']} refused at {shot['step']}: {shot['reason']}")
+            sentences.append(_sentence(shot))
             continue
         for number, each in enumerate(shot["impacts"], start=1):
             when = Quantity(each["contact_time_s"], each["contact_time_sigma_s"], "s").concise()
@@ -271,7 +240,8 @@ def _print(document: Json) -> None:
             table.add_row(str(shot["shot"]), str(number), when, *cells)
         sentences += [f"shot {shot['shot']}: {note}" for note in shot["notes"]]
     table.caption = "in brackets: standard error in units of the last digit; spin, v_s, beta: open"
-    console.print(table)
+    if table.row_count:
+        console.print(table)
     for sentence in sentences:
         console.print(sentence)
 

@@ -110,7 +110,16 @@ def test_figures_and_tables_are_there_for_few_shots(tmp_path: Path, shots: int) 
     for draw in (plane_figure, restitution_figure, residual_figure):
         figure = draw(found)
         figure.canvas.draw()
-        assert figure.axes
+        for axes in figure.axes:
+            names = axes.get_legend_handles_labels()[1]
+            drawn = {
+                str(line.get_label()): np.isfinite(np.asarray(line.get_ydata(), float)).any()
+                for line in axes.lines
+            }
+            assert all(drawn.get(name, True) for name in names)
+    pulls = found.lines.held.normal_residual / found.lines.held.normal_sigma
+    low, high = residual_figure(found).axes[0].get_ylim()
+    assert low < pulls.min() <= pulls.max() < high
     assert len(tables(found)["coefficients"]) == 1 + len(found.impacts.shots)
 
 
