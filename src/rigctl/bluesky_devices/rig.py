@@ -15,8 +15,8 @@ from event_model import DataKey
 
 from rigctl.bluesky_devices.step import Progress, Step
 from rigctl.errors import FireOutcomeUnknownError, RefusedError
-from rigctl.exports.units import RATIO
 from rigctl.firing import Operable, measured
+from rigctl.units import RATIO
 
 SETTINGS = {"pressure_a_kpa": "kPa", "pressure_b_kpa": "kPa", "offset_mm": "mm", "delay_us": "us"}
 QUANTITIES = {

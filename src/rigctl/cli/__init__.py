@@ -77,6 +77,14 @@ _CAMPAIGNS = Group(
         "tag": Command("store.campaigns:tag", "Give a campaign exactly these tags."),
     },
 )
+_CONFIG = Group(
+    "Configurations of rigs: check them before anything is opened.",
+    {
+        "check": Command(
+            "rig.config:check", "Check configuration files, and name every fault; opens no device."
+        )
+    },
+)
 _KEYS = Group(
     "Named keys with scopes: add, list and revoke them.",
     {
@@ -251,6 +259,7 @@ COMMANDS: dict[str, Command | Group] = {
     "shots": _SHOTS,
     "campaigns": _CAMPAIGNS,
     "keys": _KEYS,
+    "config": _CONFIG,
     "model": _MODEL,
     "effect": _EFFECT,
     "challenge": _CHALLENGE,

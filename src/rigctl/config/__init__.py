@@ -35,7 +35,7 @@ from rigctl.config.configuration import (
     StoreSection,
 )
 from rigctl.config.limits import Limits
-from rigctl.config.loading import default_path, load, parse
+from rigctl.config.loading import default_path, faults_of, load, parse, read_toml
 from rigctl.config.model import SIMULATED
 from rigctl.config.scene import Optics
 
@@ -72,6 +72,8 @@ __all__ = [
     "V4l2Source",
     "Zaber",
     "default_path",
+    "faults_of",
     "load",
     "parse",
+    "read_toml",
 ]

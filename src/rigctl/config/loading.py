@@ -17,6 +17,7 @@ from analysis.errors import InputError
 from rigctl.config.configuration import Configuration
 from rigctl.errors import ConfigurationError
 from rigctl.shipped import shipped
+from rigctl.units import RATIO, unit_of
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -98,11 +99,30 @@ def checked(form: type[Model], document: Mapping[str, Any], source: str) -> Mode
     ConfigurationError
         It holds a field that cannot be. The error names the field, the value and the limit.
     """
+    found, faults = _read(form, document, source)
+    if found is None:
+        raise _with_others(faults)
+    return found
+
+
+def faults_of(
+    form: type[BaseModel], document: Mapping[str, Any], source: str
+) -> list[ConfigurationError]:
+    """Return every fault of a document, each with field, value, limit and what to do; or none."""
+    try:
+        return _read(form, document, source)[1]
+    except ConfigurationError as error:
+        return [error]
+
+
+def _read(
+    form: type[Model], document: Mapping[str, Any], source: str
+) -> tuple[Model | None, list[ConfigurationError]]:
     try:
         # JSON mode: an array is a tuple there, and nothing else is converted.
-        return form.model_validate_json(json.dumps(document, default=_no_dates))
+        return form.model_validate_json(json.dumps(document, default=_no_dates)), []
     except ValidationError as error:
-        raise _first_error(form, error.errors(include_url=False), document, source) from error
+        return None, _faults(form, error.errors(include_url=False), document, source)
 
 
 def _no_dates(value: object) -> object:
@@ -111,44 +131,67 @@ def _no_dates(value: object) -> object:
     )
 
 
-def _first_error(
+def _faults(
     form: type[BaseModel], errors: list[ErrorDetails], document: Mapping[str, Any], source: str
-) -> ConfigurationError:
-    # A key that is misspelt is the cause of the one that is missing, and so goes first.
-    errors = sorted(errors, key=lambda error: error["type"] not in _UNKNOWN)
-    fields = [_field(error, document) for error in errors]
-    first = errors[0]
-    if first["type"] in _UNKNOWN:
-        return _unknown_key(form, first, fields, document, source)
-    missing = first["type"] in {"missing", "union_tag_not_found"}
-    todo = "add it" if missing else "correct it"
-    if len(errors) > 1:
-        todo += f"; also {', '.join(fields[1:])}"
+) -> list[ConfigurationError]:
+    """Return all faults; a key that is misspelt is the cause of one that is missing: it goes first.
+
+    What is missing under the name that a misspelt key means is no fault of its own.
+    """
+    slips = [error for error in errors if error["type"] in _UNKNOWN]
+    meant_keys = {_meant(form, error, document) for error in slips}
+    rest = [
+        error
+        for error in errors
+        if error["type"] not in _UNKNOWN
+        and not (error["type"] == "missing" and error["loc"][-1] in meant_keys)
+    ]
+    return [
+        *(_unknown_key(form, error, document, source) for error in slips),
+        *(_fault(error, document, source) for error in rest),
+    ]
+
+
+def _fault(error: ErrorDetails, document: Mapping[str, Any], source: str) -> ConfigurationError:
+    field, missing = _field(error, document), error["type"] in {"missing", "union_tag_not_found"}
+    value, limit = None if missing else _value(error), _limit(error)
+    unit = unit_of(field.rpartition(".")[2].partition("[")[0])
+    if unit != RATIO and isinstance(error["input"], int | float):
+        value, limit = (None if text is None else f"{text} {unit}" for text in (value, limit))
     return ConfigurationError(
-        _clause(first),
-        part=f"{source}: {fields[0]}" if fields[0] else source,
-        value=None if missing else _value(first),
-        limit=_limit(first),
-        todo=todo,
+        _clause(error),
+        part=f"{source}: {field}" if field else source,
+        value=value,
+        limit=limit,
+        todo="add it" if missing else "correct it",
+    )
+
+
+def _with_others(faults: Sequence[ConfigurationError]) -> ConfigurationError:
+    """Return the first of some faults; the fields of the others stand in it."""
+    first, *others = faults
+    fields = [(one.part or "").rpartition(": ")[2] for one in others]
+    if not fields:
+        return first
+    todo = f"{first.todo}; also {', '.join(fields)}"
+    return ConfigurationError(
+        first.what, part=first.part, value=first.value, limit=first.limit, todo=todo
     )
 
 
 def _unknown_key(
-    form: type[BaseModel],
-    error: ErrorDetails,
-    fields: list[str],
-    document: Mapping[str, Any],
-    source: str,
+    form: type[BaseModel], error: ErrorDetails, document: Mapping[str, Any], source: str
 ) -> ConfigurationError:
-    *section, _ = error["loc"]
-    key = meant(form, error["loc"], _keys_at(document, section))
+    key = _meant(form, error, document)
     todo = "take it out, or correct it" if key is None else f"did you mean {key}?"
-    further = [field for field in fields[1:] if key is None or field.rpartition(".")[2] != key]
-    if further:
-        todo += f"; also {', '.join(further)}"
-    return ConfigurationError(
-        f"unknown key {fields[0]}", part=source, value=_value(error), todo=todo
-    )
+    field = _field(error, document)
+    return ConfigurationError(f"unknown key {field}", part=source, value=_value(error), todo=todo)
+
+
+def _meant(form: type[BaseModel], error: ErrorDetails, document: Mapping[str, Any]) -> str | None:
+    """Return the key that an unknown one is a slip of."""
+    *section, _ = error["loc"]
+    return meant(form, error["loc"], _keys_at(document, section))
 
 
 def _keys_at(document: object, place: Sequence[int | str]) -> tuple[str, ...]:

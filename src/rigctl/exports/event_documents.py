@@ -23,8 +23,8 @@ from analysis.results.impacts import V_N, V_N_AFTER, V_S, V_S_AFTER
 from analysis.results.ratios import Ratio, velocities
 from rigctl.documents import Json
 from rigctl.errors import AnalysisInputError, StoreError
-from rigctl.exports.units import RATIO, unit_of
 from rigctl.reports.source import Source
+from rigctl.units import RATIO, unit_of
 
 Document = tuple[str, Json]
 

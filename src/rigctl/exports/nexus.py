@@ -24,8 +24,8 @@ from analysis.results.campaign import Results
 from analysis.results.impacts import V_N
 from analysis.results.ratios import Ratio
 from rigctl.errors import StoreError
-from rigctl.exports.units import RATIO, unit_of
 from rigctl.reports.source import Facts, Source
+from rigctl.units import RATIO, unit_of
 
 AXES = "X down, Y right, Z toward the camera"
 

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
-from sqlalchemy import ColumnElement, Connection, Table, delete, insert, select
+from sqlalchemy import ColumnElement, Connection, Table, delete, func, insert, select
 
 from rigctl.errors import NotFoundError
 from rigctl.store.integrity import ledger
 from rigctl.store.sql.schema import campaign_notes, campaign_tags, shots
+
+MOST_NAMED = 12
+"""Campaigns that the error of a name that is none lists."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,9 +67,19 @@ def require_campaign(connection: Connection, campaign: str) -> None:
     """Raise `NotFoundError` if no shot was fired or imported under this name."""
     query = select(shots.c.number).where(shots.c.campaign == campaign).limit(1)
     if connection.execute(query).one_or_none() is None:
-        raise no_such_campaign(campaign)
+        raise no_such_campaign(connection, campaign)
 
 
-def no_such_campaign(name: str) -> NotFoundError:
-    """Return the error of a name that is no campaign's."""
-    return NotFoundError("no such campaign", value=repr(name), todo="list the campaigns")
+def no_such_campaign(connection: Connection, name: str) -> NotFoundError:
+    """Return the error of a name that is no campaign's; it says which there are, the latest."""
+    query = (
+        select(shots.c.campaign)
+        .where(shots.c.campaign.is_not(None))
+        .group_by(shots.c.campaign)
+        .order_by(func.max(shots.c.number).desc())
+        .limit(MOST_NAMED + 1)
+    )
+    known = list(connection.execute(query).scalars())
+    listed = ", ".join(known[:MOST_NAMED]) + (", ..." if len(known) > MOST_NAMED else "")
+    there = f"there are {listed}" if known else "there is none in this store yet"
+    return NotFoundError("no such campaign", value=repr(name), todo=there)

@@ -76,7 +76,8 @@ class Campaigns:
         """Return one campaign; raise `NotFoundError` if no shot was fired under this name."""
         found = self._records(name)
         if not found:
-            raise no_such_campaign(name)
+            with self._database.reading() as connection:
+                raise no_such_campaign(connection, name)
         return found[0]
 
     def measured(self, name: str) -> list[tuple[str, int]]:

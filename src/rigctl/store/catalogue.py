@@ -259,8 +259,8 @@ class Catalogue:
             query = query.where(shots.c.campaign == campaign)
         with self._database.reading() as connection:
             found = int(connection.execute(query).scalar_one())
-        if campaign is not None and not found:
-            raise no_such_campaign(campaign)
+            if campaign is not None and not found:
+                raise no_such_campaign(connection, campaign)
         return found
 
     def latest(self, limit: int, campaign: str | None = None) -> list[ShotRecord]:

@@ -133,6 +133,7 @@ def test_a_table_of_shots_is_printed(folder: Path, capsys: pytest.CaptureFixture
         (("shots", "exclude", "1", "--reason", " "), BAD_INPUT, "reason: is empty"),
         (("shots", "tag", "1", "two words"), BAD_INPUT, "'two words'"),
         (("campaigns", "note", "brass", "x"), NOT_FOUND, "no such campaign"),
+        (("shots", "list", "--campaign", "brass"), NOT_FOUND, "there are nylon"),
         (("campaigns", "tag", "nylon", "two words"), BAD_INPUT, "'two words'"),
         (("import", "exchange"), REFUSED, "there is a campaign of this name"),
         (("import", "nowhere"), BAD_INPUT, "nowhere"),

@@ -53,6 +53,21 @@ def listen(section: ServiceSection, port: int | None) -> socket.socket:
         The port is taken, the certificate is of no use, or the rig would be open to the network
         without encryption.
     """
+    require_safe(section)
+    chosen = section.port if port is None else port
+    return _bound(
+        section.host, chosen, "service.port", "choose another with --port, 0 for any free one"
+    )
+
+
+def require_safe(section: ServiceSection) -> None:
+    """Refuse an address that is open to the network, or a certificate that is of no use.
+
+    Raises
+    ------
+    ConfigurationError
+        As `listen`.
+    """
     host = section.host
     if not (_is_loopback(host) or section.encrypts or section.proxy):
         raise ConfigurationError(
@@ -64,8 +79,6 @@ def listen(section: ServiceSection, port: int | None) -> socket.socket:
             "reverse proxy that encrypts, or listen on 127.0.0.1",
         )
     _require_certificate(section)
-    chosen = section.port if port is None else port
-    return _bound(host, chosen, "service.port", "choose another with --port, 0 for any free one")
 
 
 def listen_for_stops(section: ServiceSection, listening: socket.socket) -> socket.socket:

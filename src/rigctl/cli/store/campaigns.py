@@ -15,6 +15,8 @@ from rigctl.cli.store.shots import actor, kept, valid_tags
 from rigctl.service.campaign_models import CampaignView
 from rigctl.store import CampaignRecord
 
+NONE_YET = "rigctl: this store holds no campaign yet"
+
 
 def list_campaigns(
     *,
@@ -24,7 +26,10 @@ def list_campaigns(
 ) -> None:
     """Print all campaigns, or those with a tag, the one with the latest shot first."""
     with kept(config) as store:
-        _print(store.campaigns.all(tag), as_json=json)
+        found = store.campaigns.all(tag)
+        _print(found, as_json=json)
+        if not found:
+            typer.echo("rigctl: no stored campaign has this tag" if tag else NONE_YET, err=True)
 
 
 def note(

@@ -44,11 +44,23 @@ def list_shots(
     config: Config = None,
     json: Json = False,
 ) -> None:
-    """Print the shots that fulfil all conditions, oldest first."""
+    """Print the shots that fulfil all conditions, oldest first.
+
+    Raises
+    ------
+    NotFoundError
+        There is no such campaign, or no store.
+    SettingsError
+        No state has that name.
+    """
     wanted = None if state is None else _state_named(state)
     with kept(config) as store:
+        if campaign is not None:
+            store.campaigns.one(campaign)
         found = store.shots(campaign=campaign, state=wanted, tag=tag, excluded=excluded, limit=_ALL)
         _print(found, as_json=json)
+        if not found:
+            typer.echo("rigctl: no stored shot fulfils this", err=True)
 
 
 def exclude(
