@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from analysis.model.verdict.standing import Word
 from rigctl.page.model.verdict import doubted, sentence
 
 Json = dict[str, Any]
@@ -91,7 +92,14 @@ def test_of_many_shots_what_stands_out_is_said_whoever_carries_it() -> None:
 
 
 def test_stated_numbers_are_in_doubt_only_once_nothing_else_is_missing() -> None:
-    assert doubted(1, missing=False) == "1 stated number of the set-up is in doubt"
-    assert doubted(16, missing=False) == "16 stated numbers of the set-up are in doubt"
-    assert "doubt" not in doubted(16, missing=True)
-    assert "bent by what is missing: look again once it is added" in doubted(16, missing=True)
+    assert doubted(1, Word.FLOOR) == "1 stated number of the set-up is in doubt"
+    assert doubted(16, Word.ALIKE) == "16 stated numbers of the set-up are in doubt"
+    for word in (Word.MISSING, Word.UNEXPLAINED):
+        assert "bent by what is missing: look again once it is added" in doubted(16, word)
+    # Whether something is missing these shots do not say: it would bend them too.
+    for word in (Word.FEW, Word.UNSURE):
+        assert doubted(1, word).endswith(
+            "fits badly: if something is missing, more shots would show it"
+        )
+    said = {word: doubted(2, word) for word in Word}
+    assert {word for word in said if "in doubt" in said[word]} == {Word.FLOOR, Word.ALIKE}

@@ -9,6 +9,7 @@ from nicegui import ui
 
 from analysis.model.fitting.nuisance_words import alarm_sentences
 from analysis.model.verdict.standing import (
+    OPEN,
     SURE,
     Standing,
     Word,
@@ -122,8 +123,7 @@ class Verdict:
             return
         with ui.element("details").classes("note").props("data-testid=alarms"):
             standing = self._state.standing
-            missing = standing is not None and standing.word in {Word.MISSING, Word.UNEXPLAINED}
-            summary = doubted(len(alarms), missing=missing)
+            summary = doubted(len(alarms), Word.FEW if standing is None else standing.word)
             ui.html(summary, sanitize=False, tag="summary")
             for sentence in self._alarmed(alarms):
                 ui.label(sentence).props("data-testid=alarm")
@@ -157,18 +157,21 @@ class Verdict:
         self.show.refresh()
 
 
-def doubted(count: int, *, missing: bool) -> str:
+def doubted(count: int, word: Word) -> str:
     """Say that the fit pulls so many stated numbers away.
 
-    While something is missing in the model they take its place, and are no evidence of themselves.
+    While something is missing in the model they take its place, and are no evidence of themselves:
+    they are doubted once nothing is.
     """
-    numbers = "1 stated number" if count == 1 else f"{count} stated numbers"
-    if missing:
-        them = "is" if count == 1 else "are"
-        return (
-            f"{numbers} of the set-up {them} bent by what is missing: look again once it is added"
-        )
-    return f"{numbers} of the set-up {'is' if count == 1 else 'are'} in doubt"
+    one = count == 1
+    numbers = f"{'1 stated number' if one else f'{count} stated numbers'} of the set-up"
+    if word in OPEN:
+        bent = "is" if one else "are"
+        return f"{numbers} {bent} bent by what is missing: look again once it is added"
+    if word in {Word.FEW, Word.UNSURE}:
+        fits = "fits" if one else "fit"
+        return f"{numbers} {fits} badly: if something is missing, more shots would show it"
+    return f"{numbers} {'is' if one else 'are'} in doubt"
 
 
 def sentence(
