@@ -212,6 +212,20 @@ def test_what_is_no_film_is_refused_in_words(page: Page, served: Served) -> None
     failed = page.get_by_test_id("own-failed")
     expect(failed).to_contain_text("letter.txt: is neither film, table nor campaign")
     assert faults(page) == []
+    # Nothing of it is kept, nor of what is cancelled while the daemon takes it.
+    page.route("**/own-data", lambda route: None)
+    page.locator("input[type=file]").set_input_files([letter])
+    expect(failed).to_be_hidden()
+    waits = page.get_by_test_id("bringing")
+    expect(waits).to_contain_text(re.compile(r"Bringing 1 file: .*\d+ s gone.* MB are there"))
+    assert faults(page) == []
+    page.get_by_test_id("cancel-bringing").click()
+    expect(waits).to_be_hidden()
+    expect(failed).to_be_hidden()
+    page.unroute("**/own-data")
+    page.reload()
+    expect(page.get_by_test_id("drop")).to_be_visible()
+    expect(page.get_by_text("letter.txt")).to_have_count(0)
 
 
 @pytest.mark.long

@@ -45,30 +45,6 @@ class Wait:
         return self.gone_s / max(self.gone_s + self.left_s, 1e-9)
 
 
-class Rate:
-    """Time left of work that says its share again and again, from its pace since the first word."""
-
-    def __init__(self) -> None:
-        self._first: tuple[float, float] | None = None
-
-    def left_s(self, share: float, now_s: float) -> float | None:
-        """Return the time left, s; None while the share has not grown since the first word.
-
-        Parameters
-        ----------
-        share
-            Done, from 0 to 1.
-        now_s
-            Of a clock that only goes forward, s.
-        """
-        if self._first is None:
-            self._first = (share, now_s)
-        began, at_s = self._first
-        if share <= began:
-            return None
-        return max(0.0, 1.0 - share) * (now_s - at_s) / (share - began)
-
-
 def wait_of(job: Job, others: Iterable[Job], now: datetime) -> Wait:
     """Return how long a job runs and will run.
 

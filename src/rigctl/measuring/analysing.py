@@ -43,13 +43,39 @@ def cancelled() -> AnalysisFailedError:
 
 @dataclass(frozen=True, slots=True)
 class Compiling:
-    """How far a process is that compiles its functions to machine code: in words, and as a share.
+    """How far a process was that compiles its functions to machine code, when it said so last.
 
-    The share goes from 0 to 1.
+    Attributes
+    ----------
+    words
+        In words.
+    share
+        The part of the time that it takes, from 0 to 1.
+    taken_s
+        Time since its shot was ordered, s.
+    at_s
+        When that was, by the monotonic clock, s.
     """
 
     words: str
     share: float
+    taken_s: float = 0.0
+    at_s: float = 0.0
+
+    def left_s(self, now_s: float) -> float | None:
+        """Return the time left at a time of the same clock, s; None while the pace says nothing.
+
+        It falls evenly while one function is compiled, to half of what was left when that began:
+        one that takes longer than was thought does not make an end of the others.
+        """
+        if self.share < TELLS_FROM:
+            return None
+        left = (1.0 - self.share) * self.taken_s / self.share
+        return max(left - max(0.0, now_s - self.at_s), left / 2)
+
+
+TELLS_FROM = 0.1
+"""Share of compiling before which the pace says nothing of the rest."""
 
 
 class AnalysisProcess:
@@ -76,6 +102,7 @@ class AnalysisProcess:
         self._analyses = self._is_unwanted = False
         self.ended = False
         self.compiling: Compiling | None = None
+        self._ordered_s = 0.0
 
     def prepare(self) -> None:
         """Start the process before there is a shot; where it cannot be, its first shot says so."""
@@ -93,6 +120,7 @@ class AnalysisProcess:
                     raise cancelled()
                 process = self._running()
                 self._analyses = True
+            self._ordered_s = time.monotonic()
             process.order(self._function, {"folder": str(folder), "method": method})
             result: Json = json.loads(attend(process, self._compiles, timeout_s, renewed=True))
         except JobFailedError as error:
@@ -126,7 +154,8 @@ class AnalysisProcess:
                 self._process.kill()
 
     def _compiles(self, words: str, share: float | None) -> None:
-        self.compiling = Compiling(words, share or 0.0)
+        now = time.monotonic()
+        self.compiling = Compiling(words, share or 0.0, now - self._ordered_s, now)
 
     def end(self) -> None:
         """Kill the process; a waiting caller gets the error at once."""

@@ -165,6 +165,17 @@ NICENESS = 5
 
 FIRST_SHOT = 0.8
 """Share of all functions that a first shot calls, 186 of 233."""
+TIME_TAKEN = (0.0, 0.08, 0.14, 0.32, 0.45, 0.5, 0.57, 0.63, 0.74, 0.87, 1.0)
+"""Share of the processor time of compiling that no function, the first tenth of those that a first
+shot calls, two tenths and so on take, in the order in which it calls them."""
+
+
+def time_taken(done: float) -> float:
+    """Return the share of the time of compiling that is over when this share of functions is done.
+
+    A function takes from a tenth of a second to four: a count says less of the time left.
+    """
+    return float(np.interp(done, np.linspace(0.0, 1.0, len(TIME_TAKEN)), TIME_TAKEN))
 
 
 @cache
@@ -175,7 +186,7 @@ def _report_compilation(progress: Progress) -> None:
 
     def report(done: int, functions: int) -> None:
         of = max(done, round(FIRST_SHOT * functions))
-        progress(f"{done} of about {of} functions", done / of)
+        progress(f"{done} of about {of} functions", time_taken(done / of))
 
     on_compilation(report)
 

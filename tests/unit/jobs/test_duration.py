@@ -7,7 +7,7 @@ from datetime import UTC, datetime, timedelta
 import pytest
 
 from rigctl.jobs import Job, JobState
-from rigctl.jobs.duration import Rate, wait_of
+from rigctl.jobs.duration import wait_of
 from rigctl.jobs.job import utc_now
 
 START = datetime(2026, 1, 1, tzinfo=UTC)
@@ -65,10 +65,3 @@ def test_what_is_done_counts_more_than_other_jobs_from_the_half_on() -> None:
 def test_an_estimate_that_was_wrong_by_twice_is_given_up() -> None:
     assert wait_of(job(), [done(10)], at(19.9)).left_s == 1
     assert wait_of(job(), [done(10)], at(20.1)).left_s is None
-
-
-def test_a_pace_gives_the_time_left() -> None:
-    rate = Rate()
-    assert rate.left_s(0.2, 100.0) is None
-    assert rate.left_s(0.2, 105.0) is None
-    assert rate.left_s(0.6, 110.0) == pytest.approx(10.0)

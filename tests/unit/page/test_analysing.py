@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
+from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 from nicegui import Client, ui
 
-from rigctl.measuring.analysing import Awaited
+from rigctl.measuring.analysing import Awaited, Compiling
+from rigctl.measuring.stored_shot import time_taken
 from rigctl.page.shots import view as module
 from rigctl.page.shots.view import Analysing, left_words
 
@@ -82,18 +84,37 @@ def test_a_cancelled_analysis_is_said_to_be_until_it_has_ended(
 
 
 @pytest.mark.parametrize(
-    ("share", "left_s", "said"),
+    ("left_s", "said"),
     [
-        (0.1, 103.0, ""),
-        (0.3, 177.0, ""),
-        (0.5, None, ""),
-        (0.5, 138.0, ", some 3 min left"),
-        (0.6, 121.0, ", some 3 min left"),
-        (0.7, 119.0, ", some 2 min left"),
-        (0.9, 40.0, ", less than a minute left"),
+        (None, ""),
+        (133.0, ", about 2 min left"),
+        (90.0, ", about 1.5 min left"),
+        (87.0, ", about 90 s left"),
+        (31.0, ", about 40 s left"),
+        (0.0, ", about 10 s left"),
     ],
 )
-def test_the_end_of_compiling_is_told_in_minutes_once_the_pace_says_it(
-    share: float, left_s: float | None, said: str
+def test_the_time_left_of_compiling_is_told_no_finer_than_it_is_known(
+    left_s: float | None, said: str
 ) -> None:
-    assert left_words(share, left_s) == said
+    assert left_words(left_s) == said
+
+
+# When so many functions of 187 were compiled, s; the first shot of a host, by its processor.
+COMPILED_S = {19: 7.4, 39: 15.0, 56: 29.0, 75: 41.0, 100: 47.5, 131: 57.0, 150: 67.0, 182: 86.5}
+LAST_S = 90.5
+
+
+def test_the_time_left_of_compiling_falls_evenly_and_is_nearly_that_which_passes() -> None:
+    told: list[float] = []
+    far = {0.0: 0, **{at: count for count, at in COMPILED_S.items()}}
+    for second in range(10, 90):
+        at = max(time for time in far if time <= second)
+        compiling = Compiling("", time_taken(far[at] / 187), at, at)
+        left = compiling.left_s(float(second))
+        if left is not None:
+            told.append(left)
+            assert abs(left - (LAST_S - second)) < 20.0
+    assert len(told) > 60
+    # A count of functions jumps by half a minute between two of these.
+    assert max(b - a for a, b in pairwise(told)) < 12.0

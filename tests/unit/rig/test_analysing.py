@@ -16,7 +16,7 @@ from rig_fakes import BOUND_S, Laboratory, until
 from rigctl.errors import StoreError
 from rigctl.jobs import attending
 from rigctl.jobs.worker_process import WorkerProcess
-from rigctl.measuring.analysing import Analyser, AnalysisProcess, Awaited, Compiling
+from rigctl.measuring.analysing import Analyser, AnalysisProcess, Awaited
 from rigctl.measuring.result_keeping import Keeper
 from rigctl.measuring.stored_shot import analyse_stored_shot, manifest_setup
 from rigctl.store import ShotRecord, Store
@@ -310,7 +310,11 @@ def test_how_far_the_machine_code_is_that_a_shot_waits_for_is_told_until_it_has_
     assert analyser.compiling is None
     shot = lab.shoot()
     analyser.submit(shot.id)
-    until(lambda: analyser.compiling == Compiling("3 of about 60 functions", 0.05))
+    until(lambda: analyser.compiling is not None)
+    far = analyser.compiling
+    assert far is not None
+    assert (far.words, far.share) == ("3 of about 60 functions", 0.05)
+    assert 0.0 < far.taken_s < BOUND_S
     (lab.store.folders.folder(shot.id) / "go-on").touch()
     assert outcomes.wait(1)[0].state == "analysed"
     assert analyser.compiling is None

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 from fastapi import FastAPI, Request
 from nicegui import run, ui
 from starlette.datastructures import UploadFile
+from starlette.requests import ClientDisconnect
 from starlette.responses import JSONResponse, Response
 
 from rigctl.errors import AnalysisInputError, RigError
@@ -26,7 +28,12 @@ def drop_field(address: str = ADDRESS) -> None:
         '<label for="drop-files" class="strong">Drop files here, or choose them</label>'
         '<input type="file" id="drop-files" data-testid="drop" multiple '
         f'data-address="{address}" '
-        'onchange="bringFiles(this, this.nextElementSibling)">'
+        'onchange="bringFiles(this)">'
+        '<div class="waiting" data-testid="bringing" hidden><div class="beside">'
+        '<span class="strong" role="status"></span>'
+        '<button type="button" data-testid="cancel-bringing">Cancel</button>'
+        '</div><progress max="1" value="0" aria-label="the files on their way"></progress>'
+        '<span class="note"></span></div>'
         '<div role="alert" data-testid="own-failed" hidden></div>',
         sanitize=False,
     ).classes("drop-field")
@@ -37,15 +44,21 @@ def dropping_route(app: FastAPI, desk: Desk) -> None:
 
     @app.post(ADDRESS, include_in_schema=False)
     async def bring(request: Request) -> Response:
+        place = None
         try:
             require_room(request)
-            place = new_place(desk.daemon.store.path)
             async with request.form(max_files=MOST_FILES) as form:
+                place = new_place(desk.daemon.store.path)
                 for file in form.getlist("files"):
                     if isinstance(file, UploadFile):
                         await keep(file, place / safe_name(file.filename or ""))
             found = await run.io_bound(what_is_in, place)
+        except ClientDisconnect:
+            # Cancelled before all was there: nothing was kept.
+            return Response(status_code=400)
         except RigError as error:
+            if place is not None:
+                await run.io_bound(shutil.rmtree, place, ignore_errors=True)
             return JSONResponse({"detail": error.sentence()}, 422)
         token = "" if found is None else found.token
         return JSONResponse({"address": f"{SHOWN_AT}?brought={token}"})

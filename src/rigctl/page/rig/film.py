@@ -7,6 +7,7 @@ import asyncio
 from fastapi import FastAPI, Request
 from nicegui import ui
 from starlette.datastructures import UploadFile
+from starlette.requests import ClientDisconnect
 from starlette.responses import JSONResponse, Response
 
 from rigctl.cameras.brought import BroughtFilm, Wish
@@ -18,6 +19,7 @@ from rigctl.page.layout import sheet
 from rigctl.page.own.brought import safe_name
 from rigctl.page.own.dropping import drop_field, keep, require_room
 from rigctl.page.parts.presence import every, kept_page
+from rigctl.page.parts.waiting import Waiting
 from rigctl.page.parts.widgets import button
 from rigctl.service.routes.film import require_film
 
@@ -63,6 +65,7 @@ class FilmDesk:
                 self._gives_up = button(
                     "There is no film", lambda: desk.done(film.give_up), testid="film-gives-up"
                 )
+            Waiting(desk, "Reading the film", self._runs, "film-reading")
             self._read = ui.label().classes("note").props("data-testid=film-read role=status")
         with ui.element("div").classes("panel") as field:
             drop_field(ADDRESS)
@@ -79,14 +82,22 @@ class FilmDesk:
         if self._job:
             self._read.set_text(self._reading())
 
+    def _runs(self) -> str:
+        """Return the job that reads the film that was dropped last; empty once it has ended."""
+        try:
+            job = self._desk.daemon.jobs.job(self._job)
+        except RigError:
+            return ""
+        return "" if job.state in ENDED else job.id
+
     def _reading(self) -> str:
-        """Say how far the film is that was dropped last."""
+        """Say what came of the film that was dropped last."""
         try:
             job = self._desk.daemon.jobs.job(self._job)
         except RigError:
             return ""
         if job.state not in ENDED:
-            return f"{job.subject}: {job.progress or 'waiting'} …"
+            return ""
         if job.state is JobState.DONE:
             return f"{job.subject}: the shot has its frames."
         return f"{job.subject}: {job.failure or job.state}"
@@ -109,6 +120,8 @@ def shot_film_route(app: FastAPI, desk: Desk) -> None:
                 path = await asyncio.to_thread(new_film, desk.daemon.store.path, name)
                 await keep(file, path)
             job = bring_film(desk.daemon.jobs, film, path)
+        except ClientDisconnect:
+            return Response(status_code=400)
         except RigError as error:
             return JSONResponse({"detail": error.sentence()}, 422)
         return JSONResponse({"address": f"{PLACE}?job={job.id}"})

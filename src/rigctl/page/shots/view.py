@@ -11,7 +11,7 @@ from typing import Any
 from nicegui import run, ui
 
 from rigctl.errors import RigError
-from rigctl.jobs.duration import WRONG_BY, Rate, Wait
+from rigctl.jobs.duration import WRONG_BY, Wait
 from rigctl.page.desk import Desk
 from rigctl.page.parts.presence import every
 from rigctl.page.parts.quantities import COEFFICIENTS, VALUE
@@ -32,17 +32,17 @@ MEASURES = "Measuring its frames"
 CANCELS = "It is being cancelled"
 
 
-TELLS_FROM = 0.4
-"""Of what is compiled: before so much is, the pace says nothing of the rest, whose functions take
-from a tenth of a second to half a minute."""
+SOON_S = 90.0
+"""Of a time left: more is said in halves of a minute, less in tens of seconds."""
 
 
-def left_words(share: float, left_s: float | None) -> str:
-    """Return the time that compiling will take still, in whole minutes; empty where unknown."""
-    if left_s is None or share < TELLS_FROM:
+def left_words(left_s: float | None) -> str:
+    """Return the time that compiling will take still, no finer than it is known."""
+    if left_s is None:
         return ""
-    minutes = math.ceil(left_s / 60)
-    return ", less than a minute left" if minutes <= 1 else f", some {minutes} min left"
+    if left_s >= SOON_S:
+        return f", about {round(left_s / 30.0) / 2:g} min left"
+    return f", about {max(10, 10 * math.ceil(left_s / 10.0))} s left"
 
 
 class Analysing:
@@ -54,7 +54,7 @@ class Analysing:
 
     def __init__(self, desk: Desk, shot: ShotRecord) -> None:
         self._desk, self._shot = desk, shot
-        self._drawn_s, self._rate, self._cancels = time.monotonic(), Rate(), False
+        self._drawn_s, self._cancels = time.monotonic(), False
         with ui.element("div").classes("waiting").props("data-testid=analysing") as self._all:
             with ui.element("div").classes("beside"):
                 self._said = ui.label(MEASURES).classes("strong").props("role=status")
@@ -79,10 +79,9 @@ class Analysing:
             self._said.set_text(CANCELS if cancels else MEASURES)
             self._left.set_text(said_of(Wait(gone, left, is_late=left is None)))
         else:
-            left = self._rate.left_s(compiling.share, now)
+            left = compiling.left_s(now)
             self._said.set_text(CANCELS if cancels else COMPILES)
-            about = left_words(compiling.share, left)
-            self._left.set_text(f"{compiling.words}; {gone:.0f} s gone{about}.")
+            self._left.set_text(f"{compiling.words}; {gone:.0f} s gone{left_words(left)}.")
         share = Wait(gone, left).share if compiling is None else compiling.share
         self._share.set_value(round(share or 0.0, 2))
 
