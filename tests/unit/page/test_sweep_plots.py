@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rigctl.config import load
+from rigctl.page.parts.readings import Impact, turns_until
 from rigctl.page.sweeps.form import form_address, grid_words
 from rigctl.page.sweeps.pages import how_far, what_became
 from rigctl.page.sweeps.plots import LOOKS, covers, grid, incidence, legend, progress
@@ -31,9 +32,36 @@ def test_the_incidence_is_the_tangent_of_the_angle_between_flight_and_normal(ang
     assert incidence(25.4 * math.sin(angle)) == pytest.approx(math.tan(angle), abs=1e-9)
 
 
+GRAZING = settings(40, 25.4 * math.sin(math.pi / 4))
+
+
 def test_what_a_sweep_covers_is_said_from_its_least_to_its_largest_offset() -> None:
-    said = covers([settings(40, 0), settings(40, 25.4 * math.sin(math.pi / 4))])
-    assert said.startswith("2 shots, sliding ÷ approach from about 0.00 to 1.00 by the offset")
+    said = covers([settings(40, 0), GRAZING])
+    assert said == "2 shots, sliding ÷ approach from about 0.00 to 1.00"
+    # The ratio does not depend on the pressure.
+    assert covers([settings(80, 0), GRAZING]) == said
+
+
+def measured(ratio: float, mu: float, e: float = 0.74, beta0: float = 0.5) -> Impact:
+    """Return a shot of Walton's law for solid spheres: what friction can turn round it does."""
+    after = max(-beta0 * ratio, ratio - 3.5 * mu * (1 + e))
+    return Impact(1, (-2.0, 0.01), (2.0 * ratio, 0.01), (e, 0.01), (-after / ratio, 0.01))
+
+
+@given(st.floats(0.04, 0.15))
+def test_the_shots_measured_here_say_until_where_friction_turns_the_sliding_round(
+    mu: float,
+) -> None:
+    step = 0.05
+    shots = [measured(step * k, mu) for k in range(1, 41)]
+    found = turns_until(shots)
+    assert found == pytest.approx(3.5 * mu * 1.74, abs=step)
+    said = covers([settings(40, 0), GRAZING], found)
+    assert said.endswith(
+        f"; in 1 friction turns the sliding round, as in the shots measured here up to {found:.2f}"
+    )
+    assert turns_until(shots[:2]) is None
+    assert turns_until([measured(0.01 * k, mu) for k in range(1, 10)]) is None
 
 
 def test_a_setting_that_is_repeated_is_one_point_that_says_how_often() -> None:

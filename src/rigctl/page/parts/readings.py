@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 from rigctl.errors import RigError
@@ -46,6 +47,33 @@ def rows_of(impacts: Iterable[Impact]) -> list[list[object]]:
         told = [getattr(one, name) or ("", "") for name in names]
         rows.append([one.number, *(part for pair in told for part in pair)])
     return rows
+
+
+FEWEST_EACH = 3
+"""Shots whose sliding turns round, and shots whose sliding goes on, that tell where it changes."""
+
+
+def turns_until(impacts: Iterable[Impact]) -> float | None:
+    """Return the ratio v_s / v_n up to which friction turns the sliding round, by measured shots.
+
+    The ratio that parts shots with beta > 0 from those with beta < 0 with the fewest on the wrong
+    side. None where there are too few of either: friction decides it, and no setting tells that.
+    """
+    told = sorted(
+        (one.incidence, one.beta[0])
+        for one in impacts
+        if one.incidence is not None and one.beta is not None and abs(one.beta[0]) > one.beta[1]
+    )
+    turned = sum(beta > 0 for _, beta in told)
+    if min(turned, len(told) - turned) < FEWEST_EACH:
+        return None
+    # On the wrong side of a place before all: every shot that is turned round.
+    wrong, least, best = turned, len(told) + 1, 0.0
+    for (here, beta), (there, _) in pairwise(told):
+        wrong += -1 if beta > 0 else 1
+        if wrong < least:
+            least, best = wrong, (here + there) / 2
+    return best
 
 
 class Readings:

@@ -56,7 +56,10 @@ def sentence(number: int, approach: float, angle: float) -> str:
     else:
         kind = "the surfaces will slide"
     met = "head on" if angle < 1 else f"{angle:.0f}° off head on"
-    return f"You can expect an approach of {approach:.1f} m/s, {met}: {kind}. (From shot {number}.)"
+    return (
+        f"You can expect an approach of {approach:.1f} m/s, {met}: {kind}. (Speed from shot "
+        f"{number}; sticking as of nylon spheres without spin.)"
+    )
 
 
 def _push(settings: ShotSettings) -> float:

@@ -7,7 +7,7 @@ import math
 import secrets
 from urllib.parse import quote
 
-from nicegui import ui
+from nicegui import run, ui
 from pydantic import ValidationError
 
 from analysis.errors import counted
@@ -17,9 +17,10 @@ from rigctl.page.desk import Desk, actor
 from rigctl.page.parts.fields import CampaignField, NumberField
 from rigctl.page.parts.presence import every
 from rigctl.page.parts.quantities import SETTINGS, Quantity
+from rigctl.page.parts.readings import turns_until
 from rigctl.page.parts.tables import Cell, Line, facts
 from rigctl.page.parts.widgets import button, plot
-from rigctl.page.sweeps.plots import covers, grid
+from rigctl.page.sweeps.plots import RESTS_ON, covers, grid
 from rigctl.sweeps.form import Grid, Sweep
 from rigctl.sweeps.plan import plan_of, require_possible, warnings_of
 
@@ -28,6 +29,8 @@ MOST_REPEATS = 100
 ALIKE = ("pressure_a_kpa", "offset_mm")
 """Settings that a grid goes through whose pressures are alike on both sides."""
 LISTED = {"pressure_a_kpa": "a", "pressure_b_kpa": "b", "offset_mm": "offset"}
+LOOKED_AT = 60
+"""So many shots measured last say what friction does."""
 REPEAT = Quantity("Repeats", "", "How often all is fired.")
 
 
@@ -73,6 +76,8 @@ class SweepForm:
             self._said = ui.label().classes("note").props("data-testid=sweep-text role=status")
             self._start = button("Start", self._on_start, look="main fill", testid="start-sweep")
         self._shown: Sweep | None = None
+        self._turned_until: float | None = None
+        ui.timer(0.0, self._read, once=True)
         every(0.3, self._follow)
 
     @property
@@ -87,11 +92,24 @@ class SweepForm:
             with ui.element("div").classes("title"):
                 ui.label("What it covers")
                 if self._shown is not None:
-                    ui.label(covers(self._shown.steps())).classes("aside")
+                    said = covers(self._shown.steps(), self._turned_until)
+                    ui.label(said).classes("aside").props("data-testid=covers")
             if self._shown is None:
                 ui.label("The fields do not make a sweep yet.").classes("empty")
                 return
             plot(grid(self._shown.steps(), self._desk.daemon.configuration.limits))
+            ui.label(RESTS_ON).classes("note")
+
+    async def _read(self) -> None:
+        """Learn from the shots of this rig what friction makes of the sliding."""
+
+        def read() -> float | None:
+            shots = self._desk.daemon.store.catalogue.latest(LOOKED_AT, None)
+            own = [shot for shot in shots if shot.imported_as is None]
+            return turns_until(self._desk.readings.of(own))
+
+        self._turned_until = await run.io_bound(read)
+        self.preview.refresh()
 
     def _follow(self) -> None:
         try:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
+from analysis.errors import counted
 from analysis.figures.palette import FAILS, GREY, MEASURED
 from rigctl.config import Limits
 from rigctl.documents import Json
@@ -44,13 +45,34 @@ def incidence(offset_mm: float) -> float:
     return share / math.sqrt(1 - share**2)
 
 
-def covers(steps: Sequence[ShotSettings]) -> str:
-    """Say in words which incidence the offsets mean; fall, spin and timing are not in it."""
+def covers(steps: Sequence[ShotSettings], turned_until: float | None = None) -> str:
+    """Say in words which incidence a sweep's settings mean, and what that rests on.
+
+    Parameters
+    ----------
+    turned_until
+        Ratio up to which friction turned the sliding round in shots measured here; None: not known.
+    """
     found = [incidence(step.offset_mm) for step in steps]
-    return (
-        f"{len(steps)} shots, sliding ÷ approach from about {min(found):.2f} to {max(found):.2f} "
-        "by the offset alone; fall, spin and timing shift each shot"
+    said = (
+        f"{counted(len(steps), 'shot')}, sliding ÷ approach from about {min(found):.2f} to "
+        f"{max(found):.2f}"
     )
+    if turned_until is None:
+        return said
+    turned = sum(ratio <= turned_until for ratio in found)
+    return (
+        f"{said}; in {turned} friction turns the sliding round, as in the shots measured here up "
+        f"to {turned_until:.2f}"
+    )
+
+
+RESTS_ON = (
+    "Sliding ÷ approach is by the offset alone, for spheres that meet level and without spin. "
+    "Pressures set how fast they meet; where they are not alike, or b is delayed, the fall shifts "
+    "it too."
+)
+"""What the incidence of settings leaves out."""
 
 
 def grid(steps: Sequence[ShotSettings], limits: Limits) -> Json:

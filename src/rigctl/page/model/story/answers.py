@@ -82,6 +82,17 @@ def came_back(shots: Sequence[int], *, same: bool) -> str:
     )
 
 
+def counts_here(shots: Sequence[int], without: Unseen, with_them: Unseen) -> str:
+    """Say why the error of an effect that is looked at begins elsewhere than the verdict's."""
+    one = len(shots) == 1
+    named = f"Shot {shots[0]}" if one else f"Shots {', '.join(map(str, shots))}"
+    fits = "fits" if one else "fit"
+    return (
+        f"{named}, left out so far, {fits} with this effect and {'counts' if one else 'count'} "
+        f"here and in step 4: so the error begins at {with_them.said()}, not at {without.said()}."
+    )
+
+
 def of_the_same(points: Json, others: Json) -> Json:
     """Return those points of a cell whose shots and frames others have too.
 

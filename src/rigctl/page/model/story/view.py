@@ -16,6 +16,7 @@ from rigctl.page.model.story.answers import (
     came_back,
     changed,
     counted,
+    counts_here,
     error_bars,
     fell,
     law,
@@ -291,6 +292,11 @@ class Story:
             lede = f"None of {len(seen)} effects explains it. The best of them:"
         _lede(lede, "story-missing")
         lead_card(known[self._effect], self._fits or (found, None), self._add, self._wait)
+        if self._fits is not None:
+            back = sorted(set(found["rejected"]) - set(self._fits[0]["rejected"]))
+            if back:
+                said = counts_here(back, Unseen.of(found), Unseen.of(self._fits[0]))
+                ui.label(said).classes("note").props("data-testid=counts-here")
         like: list[str] = next((c["like"] for c in seen if c["effect"] == self._effect), [])
         alike = [c for c in seen if c["effect"] in like]
         others = [c for c in seen if c not in alike and c["effect"] != self._effect][:OTHERS]
@@ -366,6 +372,9 @@ class Story:
         labels = ["model", *(f"+ {in_plain(name)}" for name in found["with"])][: len(path)]
         errors = [Unseen.of(stage) for stage in path]
         tried = None if self._fits is None else Unseen.of(self._fits[1])
+        if self._fits is not None and path[-1] is found:
+            # Both of the same shots: with the effect some may fit that are left out without it.
+            errors[-1] = Unseen.of(self._fits[0])
         plot(staircase(labels, errors, tried)).props("data-testid=staircase")
         floor = "" if errors[0].floor is None else "Green: the floor, the noise itself. "
         looked = "" if tried is None else "Grey: the effect that is looked at in step 3, if added."
