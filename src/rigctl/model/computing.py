@@ -32,6 +32,7 @@ from analysis.model.agreement.document import (
 from analysis.model.agreement.freed import paths_document
 from analysis.model.agreement.launch import launch_stage
 from analysis.model.agreement.table import Stage
+from analysis.model.data.poses import PoseData
 from analysis.model.data.stream import whole
 from analysis.model.data.tables import Data
 from analysis.model.design.undecided import explain_with_next
@@ -190,7 +191,21 @@ def picture_job(asked: Json, progress: Progress) -> Json:
     ranked = _ranked(found)
     plane = impact_plane(found.data, found.fit).to_json()
     answers = {**compared, **tested, "paths": paths, **ranked, "plane": plane}
+    if isinstance(found.data, PoseData) and found.data.on_plate:
+        about_a_plate(answers)
     return {**found.document, **answers, "estimated": found.data.estimated}
+
+
+def about_a_plate(answer: object) -> None:
+    """Note in each row, cell and film of an answer that one sphere meets a plate, as `on_plate`."""
+    if isinstance(answer, dict):
+        if not answer.keys().isdisjoint(("quantity", "channel", "radii_mm")):
+            answer["on_plate"] = True
+        for part in answer.values():
+            about_a_plate(part)
+    elif isinstance(answer, list | tuple):
+        for part in answer:
+            about_a_plate(part)
 
 
 def path_job(asked: Json, progress: Progress) -> Json:
@@ -199,7 +214,10 @@ def path_job(asked: Json, progress: Progress) -> Json:
     `paths` is empty where the fit left the shot out, and of tables.
     """
     found = _fitted(asked, progress)
-    return {"paths": paths_document(found.data, found.fit, int(asked["shot"]))}
+    paths = paths_document(found.data, found.fit, int(asked["shot"]))
+    if isinstance(found.data, PoseData) and found.data.on_plate:
+        about_a_plate(paths)
+    return {"paths": paths}
 
 
 @dataclass(frozen=True, slots=True, eq=False)

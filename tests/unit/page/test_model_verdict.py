@@ -74,7 +74,7 @@ def test_of_one_shot_nothing_is_said_but_how_many_would_tell() -> None:
     lead, rest, good = sentence([found(row=1e-9, cell=1e-9, effect=1e-3, shots=1)])
     assert (lead, good) == ("Too few shots to tell.", None)
     assert "1 shot is too few" in rest
-    assert "Fire 4 more at least, and better 12" in rest
+    assert "Add 4 at least, and better 12" in rest
 
 
 def test_what_two_of_a_few_shots_carry_is_no_finding() -> None:

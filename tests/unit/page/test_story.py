@@ -13,6 +13,7 @@ from analysis.model.verdict.standing import Standing, Word
 from analysis.quantity import Quantity
 from analysis.schema.verdict import Nuisance
 from rigctl.model.known_effects import ALL_EFFECTS, effect_document
+from rigctl.page.model.compare import quantity_lines
 from rigctl.page.model.story.answers import fell, of_the_same
 from rigctl.page.model.story.cards import HERE, card_of, in_plain
 from rigctl.page.model.story.errors import Unseen
@@ -22,11 +23,13 @@ from rigctl.page.model.story.points import points_of
 from rigctl.page.model.story.preview import preview
 from rigctl.page.model.story.words import (
     alarms_in_plain,
+    cells_in_plain,
     channel,
     compared,
     covariate,
     failing,
     fails_where,
+    in_words,
     looked_at,
     quantity,
     rejected_in_plain,
@@ -88,7 +91,7 @@ def test_stated_numbers_in_doubt_are_named_as_cards_name_them_and_each_once() ->
 
 
 def test_what_has_no_plain_word_keeps_its_own() -> None:
-    assert channel("relative velocity t") == "sliding speed"
+    assert channel({"channel": "relative velocity t"}) == "sliding speed"
     assert covariate("humidity_percent") == "humidity percent"
 
 
@@ -288,3 +291,40 @@ def test_effects_that_these_shots_do_not_tell_are_counted() -> None:
     assert later.startswith("29 of the 40 known effects")
     assert later.endswith("leave no trace in these shots, or do not go with what was added.")
     assert looked_at({"with": ["drag"]}, 40, 41).endswith("would change something here.")
+
+
+SPHERES = re.compile(r"sphere [ab]\b|spheres|both\b|line of centres")
+
+
+def test_of_one_sphere_on_a_plate_no_word_speaks_of_two() -> None:
+    places = [row("position a", 4.7, 1e-9) | {"on_plate": True} for _ in range(2)]
+    stages = [
+        {"stage": f"{when} contact", "quantities": [place]}
+        for when, place in zip(("before", "after"), places, strict=True)
+    ]
+    # Depth that one view does not show is no quantity.
+    unseen = row("image Z", 0.0, 1.0) | {"degrees_of_freedom": 0.0, "on_plate": True}
+    found = {"stages": [*stages, {"stage": "image", "quantities": [unseen]}]}
+    assert [quantity(one) for one in failing(found)] == [
+        "place of the sphere, before contact",
+        "place of the sphere, after contact",
+    ]
+    numbers = {"count": 0, "chi2": 0.0, "floor": 0.0, "degrees_of_freedom": 0.0}
+    rows = [unseen | numbers]
+    (_, line) = quantity_lines({"stages": [{"stage": "image", "quantities": rows}]})
+    assert line.cells[1] == ""
+    for name in ("velocity", "spin", "position", "orientation"):
+        for axis in "ntb":
+            cell = {"channel": f"relative {name} {axis}", "covariate": "time", "on_plate": True}
+            assert not SPHERES.search(in_words(cell))
+    text = "What is left shows most in relative position n against time."
+    assert "the height over the plate, with time" in cells_in_plain(text, on_plate=True)
+    assert "gap between spheres" in cells_in_plain(text)
+
+
+def test_step_1_is_no_surer_than_the_verdict_that_the_shots_are_too_few() -> None:
+    said = compared(
+        {"stages": [{"quantities": [row("position a", 4.7, 1e-9)]}]}, Standing(Word.FEW)
+    )
+    assert "no noise" not in said
+    assert "so few do not tell" in said

@@ -60,8 +60,9 @@ def too_few(used: int) -> str:
     shots = "1 shot is" if used == 1 else f"{used} shots are"
     return (
         f"{shots} too few to tell what is missing: what stands out may be an error of "
-        f"{'its' if used == 1 else 'their'} own. Fire {FEWEST - used} more at least, and better "
-        f"{FEW + 1 - used}, at several pressures and offsets."
+        f"{'its' if used == 1 else 'their'} own. Add {FEWEST - used} at least, and better "
+        f"{FEW + 1 - used}, at several speeds and angles: pressures and offsets, or heights of a "
+        "fall."
     )
 
 

@@ -48,11 +48,12 @@ def compare(found: Json) -> None:
         few = "" if len(fails) <= SHOWN else f" Of the others the {SHOWN} least likely stand above."
         ui.label(f"{count - len(fails)} of {count} quantities agree within the noise.{few}")
         with ui.expansion("All quantities").props("dense").classes("wide"):
-            facts(headings, _lines(found), "all-quantities")
+            facts(headings, quantity_lines(found), "all-quantities")
         facts([PARAMETER, Cell("value ± σ", VALUE), ""], _parameters(found), "parameters")
 
 
-def _lines(found: Json) -> list[Line]:
+def quantity_lines(found: Json) -> list[Line]:
+    """Return the lines of all quantities, stage by stage."""
     lines: list[Line] = []
     for stage in found["stages"]:
         lines.append(Line([Cell(stage["stage"], look="left")], "stage"))
@@ -65,11 +66,12 @@ def _line(row: Json) -> Line:
     hover = (
         f"{row['count']} numbers; the floor set by the noise is {row['floor']:.3g} {row['unit']}"
     )
-    per_dof = row["chi2"] / row["degrees_of_freedom"]
+    freedom = row["degrees_of_freedom"]
     return Line(
         [
             Cell(("▲ " if fails else "") + row["quantity"], hover),
-            f"{per_dof:.2f}",
+            # What nobody sees, as the depth in one view, has no freedom, and no chi-squared.
+            f"{row['chi2'] / freedom:.2f}" if freedom > 0 else "",
             f"{row['error']:.2f}",
             f"{row['size']:.3g}",
             Cell(row["unit"], look="left dim"),

@@ -60,7 +60,7 @@ class ModelView:
         if view == TABLES:
             self._verdict = Verdict(desk, self._state, self._take)
         else:
-            self._verdict = Verdict(desk, self._state, self._take, IN_STORY)
+            self._verdict = Verdict(desk, self._state, self._take, in_story_of(self._state))
         self._busy()
         self._failed()
         if view == TABLES:
@@ -216,13 +216,20 @@ def left_out_of(found: Json, source: Source) -> dict[int, str]:
 LEAST_SHOTS = 3
 
 
-IN_STORY = Wording(
-    verdict=lambda verdict: in_plain(cells_in_plain(verdict)),
-    found=without_numbers,
-    law=in_story,
-    finding=in_words,
-    alarms=alarms_in_plain,
-)
+def in_story_of(state: ModelState) -> Wording:
+    """Return how the story says things: in plain words, of two spheres or of one on a plate."""
+
+    def plain(verdict: str) -> str:
+        on_plate = any(paths.get("on_plate") for one in state.path() for paths in one["paths"])
+        return in_plain(cells_in_plain(verdict, on_plate=on_plate))
+
+    return Wording(
+        verdict=plain,
+        found=without_numbers,
+        law=in_story,
+        finding=in_words,
+        alarms=alarms_in_plain,
+    )
 
 
 def model_pages(desk: Desk) -> None:

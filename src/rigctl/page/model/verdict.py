@@ -227,8 +227,8 @@ def _still(added: str, what: str = "something") -> str:
 
 def _of_single_shots(where: str) -> str:
     return (
-        f"what stands out, {where}, may be errors of single shots. More shots at several "
-        "pressures and offsets would tell."
+        f"what stands out, {where}, may be errors of single shots. More shots at several speeds "
+        "and angles would tell."
     )
 
 
@@ -236,5 +236,5 @@ def _worst(fails: list[Json], found: list[Json], finding: Callable[[Json], str])
     """Name what stands out most: the first finding if it does, else the quantity that disagrees."""
     worst = found[0]
     if worst["p_familywise"] >= SURE and fails:
-        return str(min(fails, key=lambda row: row["p_familywise"])["quantity"])
+        return finding(min(fails, key=lambda row: row["p_familywise"]))
     return finding(worst)

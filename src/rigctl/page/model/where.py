@@ -67,7 +67,9 @@ HELP = (
 
 
 def named(cell: Json) -> str:
-    """Return the name of a finding: its channel against its covariate, or its mean."""
+    """Return the name of a finding, its channel against its covariate or its mean, or of a row."""
+    if "quantity" in cell:
+        return str(cell["quantity"])
     if cell["covariate"] == ALWAYS:
         return f"{cell['channel']}, mean of all shots"
     return f"{cell['channel']} against {cell['covariate']}"

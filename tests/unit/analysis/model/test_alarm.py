@@ -69,7 +69,8 @@ def test_what_acts_in_all_of_ten_shots_is_unexplained() -> None:
 def test_one_shot_is_told_how_many_more_to_fire() -> None:
     assert verdict_sentence(reported(used=1)) == (
         "nylon: 1 shot is too few to tell what is missing: what stands out may be an error of its "
-        "own. Fire 4 more at least, and better 12, at several pressures and offsets."
+        "own. Add 4 at least, and better 12, at several speeds and angles: pressures and "
+        "offsets, or heights of a fall."
     )
 
 

@@ -53,7 +53,7 @@ def changed(before: Json, after: Json, card: Card) -> None:
     cell, first, second = shown
     first = apart(first)
     second = of_the_same(second, first)
-    row = channel(cell["channel"])
+    row = channel(cell)
     with ui.element("div").classes("columns half"):
         with ui.element("div"):
             ui.label(f"Before: the {row}").classes("strong fails")

@@ -34,6 +34,8 @@ SAME_MS = 0.05
 """A pose and a picture are of one frame where their times differ by less."""
 VIEWS = {"front": (1.0, 0), "top": (-1.0, 2)}
 """Of each view, down the picture: the sign and the axis; across it both show Y."""
+UNSEEN_MM = 0.01
+"""A depth that nobody saw stays at zero, but for what the plate's tilt makes of it."""
 DIGITS = 2
 LARGER = (100, 30, 10, 3)
 MOST_OF_RADIUS = 0.6
@@ -129,19 +131,26 @@ def of_film(paths: Json, shot: str, film: Film) -> Scene:
 
 
 def of_places(paths: Json) -> Scene:
-    """Return both views drawn from the measured places, the view from above on top, in mm."""
+    """Return both views drawn from the measured places, the view from above on top, in mm.
+
+    Of a sphere on a plate whose depth nobody saw there is no view from above.
+    """
     radius = max(paths["radii_mm"])
     placed = [own for both in paths["measured"] for own in both if own is not None]
     spans = [(min(p[k] for p in placed), max(p[k] for p in placed)) for k in range(3)]
     room = radius + MARGIN_MM
     heights = [high - low + 2 * room for low, high in (spans[2], spans[0])]
+    views = dict(VIEWS)
+    if paths.get("on_plate") and max(map(abs, spans[2])) < UNSEEN_MM:
+        heights[0] = 0.0
+        del views["top"]
     left = spans[1][0] - room
     width = spans[1][1] + room - left
     tops = {"top": spans[2][1] + room, "front": heights[0] - spans[0][0] + room}
     frames = []
     for since, both, gaps in zip(paths["times_ms"], paths["measured"], paths["gaps"], strict=True):
         rings = []
-        for view, (sign, axis) in VIEWS.items():
+        for view, (sign, axis) in views.items():
             for sphere, place, gap, own in zip("ab", both, gaps, paths["radii_mm"], strict=True):
                 if place is None:
                     continue
@@ -152,11 +161,12 @@ def of_places(paths: Json) -> Scene:
     stroke = 0.004 * width
     size = 0.034 * width
     border = f"M0 {heights[0]:.2f}H{width:.2f}"
-    still = [
-        f'<path class="border" d="{border}" stroke-width="{stroke / 2:.3f}"/>',
-        _title("from above, in the mirror", size, 1.5 * size),
-        _title("from the front", size, heights[0] + 1.5 * size),
-    ]
+    still = [_title("from the front", size, heights[0] + 1.5 * size)]
+    if "top" in views:
+        still += [
+            f'<path class="border" d="{border}" stroke-width="{stroke / 2:.3f}"/>',
+            _title("from above, in the mirror", size, 1.5 * size),
+        ]
     return Scene(
         paths["radii_mm"], round(width, DIGITS), round(sum(heights), DIGITS), stroke, still, frames
     )
@@ -279,10 +289,12 @@ class ShotFilm:
             Waiting(self._desk, "Following the shot", lambda: self._asked.running or "", "follows")
             with ui.element("div").classes("stack"):
                 self._film()
+            alone = self._paths[0].get("on_plate")
             ui.label(
-                "Solid: where each sphere was measured. Dashed: where the model, given the flight "
-                "before contact, predicts it. The loupe magnifies the true error as this view "
-                "shows it; the number of mm is that of all three directions."
+                f"Solid: where {'the' if alone else 'each'} sphere was measured. Dashed: where the "
+                "model, given the flight before contact, predicts it. The loupe magnifies the true "
+                "error as this view shows it; the number of mm is that of all directions that were "
+                "measured."
             ).classes("note")
 
     @ui.refreshable_method

@@ -221,7 +221,7 @@ def _drawn(shown: Shown, sums: Preview | None) -> None:
     """Place the points of a cell, with the line of the effect over them where its size is known."""
     cell, points, after = shown
     drawn = apart(points)
-    ui.label(f"{channel(cell['channel']).capitalize()}, {goes_with(cell)}").classes("strong")
+    ui.label(f"{channel(cell).capitalize()}, {goes_with(cell)}").classes("strong")
     with ui.element("div").classes("layers"):
         plot(dots_plot(cell, drawn, () if sums is None else sums.curve))
         if sums is not None:
@@ -259,7 +259,7 @@ def said_of(cell: Json, sums: Preview, unit: str, label: str) -> Json:
     if name in UNITS_OF_LOGARITHMS:
         in_unit_of = f" {UNITS_OF_LOGARITHMS[name]}".rstrip()
     return {
-        "row": channel(cell["channel"]),
+        "row": channel(cell),
         "row_unit": unit,
         "always": name == ALWAYS,
         "told": [

@@ -94,7 +94,7 @@ def _table(cells: Sequence[Json], chosen: int) -> str:
         f"<span>{escape(heading(c))}</span></th>"
         for c in columns
     )
-    lines = []
+    lines, named = [], {str(cell["channel"]): cell for cell in cells}
     for row in grid.rows:
         found = "".join(
             f"<td{_look(('first', column in first))}>"
@@ -102,7 +102,7 @@ def _table(cells: Sequence[Json], chosen: int) -> str:
             for column in columns
         )
         look = _look(("here", row == at[0]))
-        lines.append(f'<tr><th scope="row"{look}>{escape(channel(row))}</th>{found}</tr>')
+        lines.append(f'<tr><th scope="row"{look}>{escape(channel(named[row]))}</th>{found}</tr>')
     return (
         '<table><caption class="unseen">How surely the error of each row changes with each '
         "column, in standard deviations; arrows move, Enter shows</caption><thead>"
@@ -128,7 +128,7 @@ def _cell(cells: Sequence[Json], place: int | None, chosen: int, most: float) ->
     look = "quiet"
     if deviation >= LEAST:
         look = "strong" if share >= STRONG else "middle" if share >= MIDDLE else "weak"
-    name = f"{channel(cell['channel'])}, {goes_with(cell)}: {deviation:.1f} standard deviations"
+    name = f"{channel(cell)}, {goes_with(cell)}: {deviation:.1f} standard deviations"
     here = place == chosen
     return (
         f'<button type="button" class="{look}" data-cell="{place}" title="{escape(name)}" '
@@ -252,7 +252,7 @@ class WhereItFails:
 
     def _name(self) -> str:
         cell = self._cells.chosen
-        return "" if cell is None else f"{channel(cell['channel']).capitalize()}, {goes_with(cell)}"
+        return "" if cell is None else f"{channel(cell).capitalize()}, {goes_with(cell)}"
 
     def _say_undetermined(self) -> None:
         cell = self._cells.chosen
@@ -329,7 +329,7 @@ def _is_sure(cell: Json) -> bool:
 
 def _bar(cell: Json, most: float) -> Bar:
     return Bar(
-        f"{channel(cell['channel'])}, {goes_with(cell)}",
+        f"{channel(cell)}, {goes_with(cell)}",
         cell["deviation"] / max(most, 1e-9),
         f"{cell['deviation']:.0f}",
         fails=cell["p_familywise"] < SURE,

@@ -56,6 +56,22 @@ CHANNELS = {
     "image Y": "measured left–right",
     "image Z": "measured depth",
 }
+ON_PLATE = {
+    "relative velocity n": "speed towards the plate",
+    "relative velocity b": "sideways speed",
+    **{f"relative spin {axis}": turn for axis, turn in TURNS.items()},
+    "relative position n": "height over the plate",
+    "relative position t": "place along the plate",
+    "relative position b": "place to the side",
+    **{f"relative orientation {axis}": f"{turn} angle" for axis, turn in TURNS.items()},
+    "normal velocity": "speed towards the plate",
+    "position a": "place of the sphere",
+    "orientation a": "turn of the sphere",
+    "relative position": "path in flight",
+    "relative orientation": "turn in flight",
+    "relative spin": "spin",
+}
+"""The same of one sphere that meets a plate, where two would be spoken of."""
 COVARIATES = {
     "ln v_n": "approach speed",
     "ln v_s/v_n": "sliding ÷ approach",
@@ -85,10 +101,11 @@ CELL = re.compile(
 """A cell as verdicts name it: what is measured, and what its error goes with."""
 
 
-def cells_in_plain(text: str) -> str:
+def cells_in_plain(text: str, *, on_plate: bool = False) -> str:
     """Return a text with the cells that it names, `common spin n against order`, in plain words."""
     return CELL.sub(
-        lambda found: f"the {channel(found[1])}, {goes_with({'covariate': found[2]})}", text
+        lambda found: in_words({"channel": found[1], "covariate": found[2], "on_plate": on_plate}),
+        text,
     )
 
 
@@ -98,9 +115,12 @@ def sized(row: Json) -> str:
     return f"{value:.0f} {unit}" if value >= 1000 else f"{value:.3g} {unit}"
 
 
-def channel(name: str) -> str:
-    """Return what is measured in plain words."""
+def channel(cell: Json) -> str:
+    """Return what is measured in plain words, from a cell or a row of agreement."""
+    name = str(cell["channel"] if "channel" in cell else cell["quantity"])
     plain = name.removesuffix(" against place").removesuffix(" against time")
+    if cell.get("on_plate") and plain in ON_PLATE:
+        return ON_PLATE[plain]
     return CHANNELS.get(plain, plain.replace("_", " "))
 
 
@@ -112,7 +132,7 @@ def quantity(row: Json) -> str:
     """Return what a row of agreement is about, in plain words; of poses also when."""
     name, stage = str(row["quantity"]), str(row.get("stage", ""))
     is_pose = name.startswith(TWICE) and stage.endswith("contact")
-    return f"{channel(name)}, {stage}" if is_pose else channel(name)
+    return f"{channel(row)}, {stage}" if is_pose else channel(row)
 
 
 def covariate(name: str) -> str:
@@ -156,16 +176,22 @@ def fails_where(findings: Sequence[Json]) -> str:
 
 
 def in_words(finding: Json) -> str:
-    """Return the name of a finding in plain words."""
-    return f"the {channel(finding['channel'])}, {goes_with(finding)}"
+    """Return the name of a finding, or of a row of agreement, in plain words."""
+    if "quantity" in finding:
+        return f"the {quantity(finding)}"
+    return f"the {channel(finding)}, {goes_with(finding)}"
 
 
 def failing(found: Json) -> list[Json]:
-    """Return all rows of agreement: those that fail first, the worst in units of the noise."""
+    """Return all rows of agreement: those that fail first, the worst in units of the noise.
+
+    What no view shows, as the depth of a film, is predicted by definition, and no row.
+    """
     rows = [
         {**row, "stage": stage.get("stage", "")}
         for stage in found["stages"]
         for row in stage["quantities"]
+        if row.get("degrees_of_freedom", 1.0) > 0.0
     ]
     return sorted(rows, key=lambda row: (row["p_familywise"] >= SURE, -row["error"]))
 
@@ -202,6 +228,11 @@ def compared(found: Json, standing: Standing | None = None) -> str:
             "Over everything together the model errs no more than the noise. Of "
             f"{len(failing(found))} quantities the {quantity(worst)} {rest} out, by "
             f"{sized(worst)}: {worst['error']:.3g} times its noise."
+        )
+    if standing is not None and standing.word in {Word.FEW, Word.UNSURE}:
+        return (
+            f"The model gets the {quantity(worst)} wrong by {sized(worst)}: {worst['error']:.3g} "
+            "times the noise. That may be an error of single shots: so few do not tell."
         )
     rest = (
         "so this is no noise"
@@ -284,7 +315,7 @@ def where(cell: Json, points: Json, standing: Standing | None) -> str:
         if standing is not None and standing.is_open:
             return (
                 "No cell by itself shows what is missing: only all shots together do. Here "
-                f"the {channel(cell['channel'])} looks like noise."
+                f"the {channel(cell)} looks like noise."
             )
         return "No error goes with anything that was recorded: what is left looks like noise."
     if standing is not None and not standing.is_open:
@@ -296,14 +327,14 @@ def where(cell: Json, points: Json, standing: Standing | None) -> str:
     asked = f" {MAKES_UP}" if asks(points) else ""
     if cell["covariate"] == ALWAYS:
         return (
-            f"The {channel(cell['channel'])} is wrong in all shots alike, by "
+            f"The {channel(cell)} is wrong in all shots alike, by "
             f"{_signed(mean.mean())} {unit} on average.{asked}"
         )
     places = {"first": 0, "middle": len(mean) // 2, "last": len(mean) - 1}
     least, middle, most = (_beside(mean[place], unit) for place in places.values())
     first, last = ENDS.get(cell["covariate"], ("where it is least", "where it is most"))
     return (
-        f"The {channel(cell['channel'])} goes wrong with the {covariate(cell['covariate'])}. "
+        f"The {channel(cell)} goes wrong with the {covariate(cell['covariate'])}. "
         f"Measured is {least} {first}, {middle} in the middle, {most} {last}.{asked}"
     )
 
