@@ -256,6 +256,7 @@ def _lesson() -> bytes:
         spheres=(sphere, sphere),
         scale_sigma=0.01,
         limb_px=0.5,
+        films=6,
         slow_px=0.002,
         shared_px=0.002,
         smear_px2=np.zeros(2),

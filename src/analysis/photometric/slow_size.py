@@ -54,6 +54,7 @@ def sized(films: Sequence[Film], known: Appearance) -> Appearance:
     coarse = (1.0 + known.coarseness) / 2
     return replace(
         known,
+        films=len(films),
         slow_px=slow_size_px(seen, coarse * PRIOR_SLOW_PX),
         shared_px=coarse * shared_size_px(len(films)),
     )

@@ -29,6 +29,7 @@ def lesson(darkness: float) -> Appearance:
     numbers |= {
         "camera_sigma": (0.0, 0.0),
         "limb_px": 0.0,
+        "films": 6,
         "slow_px": 0.0,
         "shared_px": 0.0,
         "smear_px2": np.zeros(2),

@@ -25,7 +25,7 @@ from analysis.model.fitting.outliers import Cleaned
 from analysis.model.fitting.slow_errors.sizes import with_measured_slow_errors
 from analysis.model.rank.candidate import Ranking, weight_of
 from analysis.model.rank.ranking import rank
-from analysis.model.structure.alarm import UNEXPLAINED_LEVEL, alarms
+from analysis.model.structure.alarm import UNEXPLAINED_LEVEL, alarms, is_short
 from analysis.model.structure.far_off import is_far_off
 from analysis.model.structure.lackoffit import Cell, lack_of_fit
 from analysis.model.verdict.exchange import AliasSets, exchanged, fits_without
@@ -134,9 +134,11 @@ def _concluded(
         if len(again.path) > len(found.path) and not _alarmed(again, quiet := _left(again)):
             found, cells = again, quiet
     names = found.path[-1].effects
-    alias_sets, last = {name: found.alias_sets[name] for name in names}, found.path[-1].fit
+    alias_sets, last = {name: found.alias_sets[name] for name in names}, found.path[-1]
+    short = bool(names) and is_short(cells, len(evidence.data.shots), last.error.value)
+    left = short or _alarmed(found, cells) or is_far_off(last.fit)
     return Verdict(
-        verdict="unexplained" if _alarmed(found, cells) or is_far_off(last) else _word(alias_sets),
+        verdict="unexplained" if left else _word(alias_sets),
         effects=names,
         alias_sets=alias_sets,
         path=found.path,

@@ -14,9 +14,6 @@ STRIKING = 0.01
 """Chance below which a candidate's expected drop is mentioned."""
 RARE = 0.1
 """Chance of a chi-squared below which nobody reads that nothing is missing."""
-SHORT = 1.5
-"""Error on shots left out, in units of the noise, beyond which what few shots leave over is no
-chance: what was found is then not all that is missing."""
 COMPARABLE = 0.5
 """A candidate that is not plausible is mentioned from this share of the best one's drop on."""
 
@@ -28,8 +25,6 @@ def verdict_sentence(found: VerdictReport, *, errors: bool = True) -> str:
         return f"{name}: {too_few(used)}{_would_explain(found)}"
     if found.verdict == "none":
         return f"{name}: {_nothing(found)}"
-    if found.verdict in {"effect", "alias"} and _is_short(found):
-        return f"{name}: {_most_of_it(found)}{_fall(found) if errors else ''}."
     if found.verdict == "effect":
         several = len(found.effects) > 1
         what = "missing effects are" if several else "missing effect is"
@@ -77,21 +72,6 @@ def _of_few(found: VerdictReport) -> list[str]:
         f"the {used} shots carry it: an error of their own, or something that more than {FEW} "
         "shots would tell."
     ]
-
-
-def _is_short(found: VerdictReport) -> bool:
-    """Whether few shots leave so much over that what was found cannot be all."""
-    return bool(_of_few(found)) and found.path[-1].prediction_error > SHORT
-
-
-def _most_of_it(found: VerdictReport) -> str:
-    """Say that what was found is the best of what is known, and not enough."""
-    each = [" or ".join(found.alias_sets.get(name, (name,))) for name in found.effects]
-    verb = "explain" if len(each) > 1 else "explains"
-    which = ": these shots cannot tell which" if any(" or " in one for one in each) else ""
-    return (
-        f"of all known effects {_listed(each)} {verb} most of what is missing, but not all{which}"
-    )
 
 
 def _not_believed(found: VerdictReport) -> list[str]:
@@ -186,8 +166,11 @@ def _unexplained(found: VerdictReport) -> str:
             "what is missing."
         )
     where = found.structure[0]
+    missing = "something is missing that the catalogue does not hold"
+    if found.used <= FEW:
+        missing = f"no known effect explains all that these {found.used} shots show"
     return (
-        f"{found.campaign}: something is missing that the catalogue does not hold.{part} "
+        f"{found.campaign}: {missing}.{part} "
         f"What is left shows most in {where.channel} against {where.covariate}"
         f"{_kind(where.channel)}."
     )

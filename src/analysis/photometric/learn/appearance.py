@@ -6,8 +6,10 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analysis.arrays import Floats
+from analysis.photometric.learn.relief import FULL_TO
 from analysis.photometric.render.camera import Camera
 from analysis.photometric.render.shading import blurred_profiles, template
 from analysis.photometric.render.sight import Look
@@ -76,6 +78,8 @@ class Appearance:
     limb_px
         Radius by the outline less radius by the markers: light at the limb beyond the shading
         model. It shifts an outline by as much. 0 where markers do not determine the radius.
+    films
+        How many films taught all of this together.
     slow_px
         Slow error of an outline's place in one flight (`slow_size.slow_size_px`).
     shared_px
@@ -91,6 +95,7 @@ class Appearance:
     scale_sigma: float
     camera_sigma: tuple[float, ...]
     limb_px: float
+    films: int
     slow_px: float
     shared_px: float
     smear_px2: Floats
@@ -107,6 +112,19 @@ class Appearance:
         radius_px = scale * min(sphere.radius_m for sphere in self.spheres)
         return max(1.0, (float(self.sigma_px.max()) / radius_px / FINE_BLUR) ** 2)
 
+    @property
+    def relief_share(self) -> float:
+        """What smooth shading leaves inside the discs, as a share of their brightness (rms).
+
+        Below 0.01 in light from the front, 0.1 to 0.3 under lamps with shadow or gloss.
+        """
+        shares = [
+            relief[_inside(len(relief))] / shading[0]
+            for sphere in self.spheres
+            for relief, shading in zip(sphere.reliefs, sphere.shading, strict=True)
+        ]
+        return float(np.sqrt(np.mean(np.square(shares))))
+
     def smeared(self) -> Appearance:
         """Return the pair as a round blur shows it, the mean smear in it."""
         return _smeared(self) if self.smear_px2.any() else self
@@ -120,6 +138,12 @@ class Appearance:
         """Return both spheres in the form of the fit, the blur wider by some pixels."""
         scales = tuple(self.camera.optics.scales.tolist())
         return _looks(self.spheres, tuple(self.sigma_px.tolist()), scales, wider_px)
+
+
+def _inside(nodes: int) -> NDArray[np.bool_]:
+    """Return which nodes of a square grid from -1 to 1 lie where a relief holds in full."""
+    at = np.linspace(-1.0, 1.0, nodes)
+    return np.hypot(at[:, None], at) < FULL_TO
 
 
 @lru_cache(maxsize=KEPT_LOOKS)

@@ -54,14 +54,16 @@ TOGETHER_LIMITS = (15.0, 8.0, 6.0, 6.0)
 SEARCH_TOGETHER = (0, 1)
 EXTENDING_LIMITS = (15.0, 6.0, 6.0)
 WIDEST_PX = 3.0
-LIMB_SCALE_SIGMA, MARKER_SCALE_SIGMA = 5e-3, 2e-4
+LIMB_SCALE_SIGMA, MARKER_SCALE_SIGMA = 5e-3, 5e-5
 """Relative accuracy of the scale, by the limb and by the markers, for spheres of known diameter.
 
 Light from one side passes for another radius at the limb. Markers move across the disc and are seen
-in both views at once, which gives the radius without the limb; by small spheres less exactly
-(`Appearance.coarseness`).
+in both views at once, which gives the radius without the limb.
 """
-NEARNESS_SCALE_SIGMA = 3e-4
+RELIEF_SCALE_SIGMA, COARSE_SCALE_SIGMA = 1.2e-3, 2e-4
+"""Beside it, for each unit of `Appearance.relief_share`, and of `coarseness` beyond 1
+(docs/decisions/0060-the-scale-by-markers.md)."""
+NEARNESS_SCALE_SIGMA = 3.5e-4
 """Beside it, where a camera is so near that perspective shows: its axis is taken for the middle of
 the frame.
 """
@@ -144,8 +146,9 @@ def learn_together(films: Sequence[Film], start: Appearance, *, hold_scale: bool
 def extended(film: Film, known: Appearance) -> Appearance:
     """Return the knowledge with markers added that a film of the known pair shows.
 
-    One film alone does not turn every side of a sphere to the camera. The same object comes back
-    where nothing is added.
+    One film alone does not turn every side of a sphere to the camera. What several films have
+    taught stays as it is: this film alone would move it to where its own errors are, and all later
+    shots with it. The same object comes back where nothing is added.
     """
     few = unsmeared(film.picked(MOST_FRAMES), known)
     more, before = with_missed([few], known), [len(s.markers) for s in known.spheres]
@@ -155,8 +158,22 @@ def extended(film: Film, known: Appearance) -> Appearance:
     take_out_shadows(few, more)
     for limit in EXTENDING_LIMITS:
         fit_film(few, more, np.full(1, limit))
-        more = with_shared([few], more, limit, move_radius=False, hold_scale=True)
+        if known.films > 1:
+            more = _with_added(few, more, limit, before)
+        else:
+            more = with_shared([few], more, limit, move_radius=False, hold_scale=True)
     return more
+
+
+def _with_added(film: Film, known: Appearance, limit: float, before: Sequence[int]) -> Appearance:
+    """Return the knowledge with better places of the markers beyond so many of each sphere."""
+    a, b = (
+        sphere
+        if len(sphere.markers) == own
+        else _changed(sphere, _step([film], known, i, limit, settled=own))
+        for i, (sphere, own) in enumerate(zip(known.spheres, before, strict=True))
+    )
+    return replace(known, spheres=(a, b))
 
 
 def with_shading(
@@ -257,15 +274,7 @@ def with_shared(
     not the spheres are as large as stated, in the mean of both.
     """
     camera = known.camera
-    views = len(camera.views)
-    steps: list[Shared] = []
-    for i, sphere in enumerate(known.spheres):
-        size = shared_size(len(sphere.markers), views)
-        equations = Equations(np.zeros((size, size)), np.zeros(size))
-        training = _training_view(known, i, limit)
-        for sight, stance in sights_of(films, known, i):
-            add_frame(sight, stance, training, equations)
-        steps.append(solve_shared(equations, training.tangents, views))
+    steps = [_step(films, known, i, limit) for i in range(len(known.spheres))]
     change, sigma = _agreed(steps)
     grown = OVERSTEP * np.array([step.camera[0] for step in steps]) * move_radius
     nearer = 0.0 if hold_scale else float(grown.mean())
@@ -283,8 +292,9 @@ def with_shared(
     # Light at the limb, as of a lamp beside or gloss, biases the markers' estimate too.
     limb = float(np.mean([step.limb for step in steps]))
     near = 0.0 if far else NEARNESS_SCALE_SIGMA
-    by_markers = known.coarseness * MARKER_SCALE_SIGMA
-    scale_sigma = float(np.linalg.norm([by_markers, near, sigma[0], limb]))
+    coarse = (known.coarseness - 1.0) * COARSE_SCALE_SIGMA
+    lit = known.relief_share * RELIEF_SCALE_SIGMA
+    scale_sigma = float(np.linalg.norm([MARKER_SCALE_SIGMA + coarse, lit, near, sigma[0], limb]))
     radius_px = float(scales[0]) * (a.radius_m + b.radius_m) / 2
     apart_px = radius_px * float(np.sqrt(np.mean([step.limb**2 for step in steps])))
     return replace(
@@ -295,6 +305,19 @@ def with_shared(
         camera_sigma=tuple(map(float, sigma)),
         limb_px=apart_px if move_radius else known.limb_px,
     )
+
+
+def _step(
+    films: Sequence[Film], known: Appearance, sphere: int, limit: float, *, settled: int = 0
+) -> Shared:
+    """Return what all frames of a sphere correct; so many of its first markers stay."""
+    views = len(known.camera.views)
+    size = shared_size(len(known.spheres[sphere].markers), views)
+    equations = Equations(np.zeros((size, size)), np.zeros(size))
+    training = _training_view(known, sphere, limit)
+    for sight, stance in sights_of(films, known, sphere):
+        add_frame(sight, stance, training, equations)
+    return solve_shared(equations, training.tangents, views, settled=settled)
 
 
 def _training_view(known: Appearance, sphere: int, limit: float) -> TrainingView:

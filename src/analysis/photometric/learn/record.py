@@ -17,7 +17,7 @@ from analysis.imaging.views import View
 from analysis.photometric.learn.appearance import Appearance, Sphere
 from analysis.photometric.render.camera import Camera, Optics
 
-FORMAT = 5
+FORMAT = 6
 SPHERES = ("a", "b")
 OWN = tuple(f.name for f in fields(Appearance) if f.name not in {"camera", "spheres"})
 """Numbers that are the pair's own."""
@@ -80,7 +80,10 @@ def _sphere(parts: Mapping[str, Floats], letter: str) -> Sphere:
     return Sphere(**own)
 
 
-def _plain(name: str, value: Floats) -> Floats | float | tuple[float, ...]:
+def _plain(name: str, value: Floats) -> Floats | float | int | tuple[float, ...]:
     if name in TUPLES:
         return tuple(map(float, value))
-    return float(value) if value.ndim == 0 else value
+    if value.ndim:
+        return value
+    number: float | int = value.item()
+    return number

@@ -168,16 +168,23 @@ def add_frame(
     eliminate(whole, local, shared)
 
 
-def solve_shared(equations: Equations, tangents: Floats, views: int) -> Shared:
+def solve_shared(equations: Equations, tangents: Floats, views: int, *, settled: int = 0) -> Shared:
     """Solve for the shared unknowns; weak priors hold what no frame determines.
 
     Parameters
     ----------
     tangents
         Of the markers, as in the training, shape (markers, 2, 3).
+    settled
+        How many of the first markers stay, and with them their look and the camera.
     """
     markers = len(tangents)
-    held = equations.normal + np.diag(shared_prior(markers, views, BENDS_PRIOR) ** -2.0)
+    sizes = shared_prior(markers, views, BENDS_PRIOR)
+    if settled:
+        sizes[: 2 * settled] = sizes[2 * markers : 2 * markers + MARKERS_SHARE] = HELD
+        sizes[[*range(2 * markers + MARKERS_SHARE + SCALE, len(sizes) - BENDS, VIEW_SHARE)]] = HELD
+        sizes[-BENDS:] = HELD
+    held = equations.normal + np.diag(sizes**-2.0)
     held[: 2 * markers, : 2 * markers] += together(tangents)
     inverse = np.linalg.inv(held)
     step = inverse @ equations.right

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from analysis.model.data.tables import Data
-from analysis.model.structure.alarm import alarms
+from analysis.model.structure.alarm import alarms, is_short
 from analysis.model.structure.lackoffit import Cell
 from analysis.model.verdict.documents import verdict_report
 from analysis.model.verdict.selection import explain
@@ -43,6 +43,23 @@ def test_an_alarm_is_believed_by_how_many_shots_speak_for_it(
     shots: int, found: Cell, alarming: bool
 ) -> None:
     assert alarms(found, shots) is alarming
+
+
+@pytest.mark.parametrize(
+    ("shots", "found", "error", "short"),
+    [
+        (5, cell(), 2.3, True),
+        (12, cell(), 1.6, True),
+        (5, cell(), 1.4, False),
+        (5, cell(p=0.006), 2.3, False),
+        (13, cell(), 2.3, False),
+        (4, cell(), 2.3, False),
+    ],
+)
+def test_what_leaves_few_shots_far_from_the_floor_is_not_all(
+    shots: int, found: Cell, error: float, short: bool
+) -> None:
+    assert is_short([found], shots, error) is short
 
 
 def swaying(shots: tuple[int, ...]) -> Data:

@@ -57,17 +57,6 @@ def documents() -> dict[str, dict[str, Any]]:
     }
 
 
-def test_what_leaves_few_shots_far_from_the_floor_is_not_called_the_missing_effect(
-    documents: dict[str, dict[str, Any]],
-) -> None:
-    found = read(VerdictReport, documents["effect"])
-    left = read(VerdictReport, documents["unexplained"]).structure
-    for error, word in ((1.0, "the missing effect is"), (2.3, "but not all")):
-        path = (*found.path[:-1], replace(found.path[-1], prediction_error=error))
-        of_few = replace(found, used=5, structure=left, path=path)
-        assert word in verdict_sentence(of_few)
-
-
 @pytest.mark.parametrize("word", ["none", "effect", "alias", "unexplained"])
 def test_every_verdict_has_the_keys_of_the_contract(
     documents: dict[str, dict[str, Any]], word: str

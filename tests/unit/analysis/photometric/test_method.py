@@ -13,6 +13,7 @@ from analysis.photometric.method import followed_film, measure_poses
 from analysis.photometric.teaching import teach
 from analysis.shot import AnalysisOptions, MeasuredShot, analyse_shot
 from simulators.world import Launch, WorldDescription, render_shot
+from simulators.world.lamp import Lamp
 from tests.unit.analysis.rendered import setup_of
 
 SEED = 11
@@ -141,6 +142,38 @@ def test_a_shot_adds_the_markers_that_the_first_has_not_shown(second, known):
         )
     _, same = measure_poses(second.frames, second.times_s, SETUP, more, extend=True)
     assert [len(s.markers) for s in same.spheres] == [len(s.markers) for s in more.spheres]
+
+
+def test_one_shot_moves_nothing_that_several_have_taught(first, second, known):
+    taught = teach([(each.frames, each.times_s, SETUP) for each in (first, second)])
+    a, b = taught.spheres
+    fewer = replace(taught, spheres=(replace(a, markers=a.markers[1:]), b))
+    _, more = measure_poses(second.frames, second.times_s, SETUP, fewer, extend=True)
+    found, kept = more.spheres[0], fewer.spheres[0]
+    assert len(found.markers) == len(a.markers)
+    assert found.markers[:-1] == pytest.approx(kept.markers, abs=1e-6)
+    assert found.darkness == pytest.approx(kept.darkness, abs=1e-6)
+    assert found.markers[-1] == pytest.approx(a.markers[0], abs=0.01)
+    assert np.array_equal(more.spheres[1].markers, b.markers)
+    assert more.camera is fewer.camera
+
+
+@pytest.mark.long
+def test_the_scale_is_off_within_its_error_in_any_light():
+    """The simulator's scale; light that smooth shading does not hold makes it less sure."""
+    free = replace(SETUP, camera=replace(SETUP.camera, scale_px_per_m=None))
+    lamps = Lamp(strength=90.0, room=15.0, gloss=90.0, fill=Lamp(toward=(-0.3, 0.9, 0.4)))
+    launches = [Launch(60, 60, 5e-3), Launch(40, 40, 9e-3), Launch(80, 80, 2e-3)]
+    found = []
+    for optics in (WORLD.optics, replace(WORLD.optics, lamp=lamps)):
+        world = replace(WORLD, optics=optics)
+        shots = [render_shot(world, own, SEED, shot=k) for k, own in enumerate(launches, start=1)]
+        found.append(teach([(shot.frames, shot.times_s, free) for shot in shots]))
+        scale = found[-1].camera.optics.scales[0] / optics.scale_px_per_m
+        assert abs(scale - 1.0) < 3 * found[-1].scale_sigma < 0.006
+    plain, lit = found
+    assert lit.relief_share > 10 * plain.relief_share
+    assert lit.scale_sigma > 2 * plain.scale_sigma
 
 
 def test_empty_frames_are_refused(known):

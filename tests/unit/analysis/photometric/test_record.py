@@ -37,6 +37,7 @@ def drawn(seed: int, markers: int) -> Appearance:
         spheres=(sphere(), sphere()),
         scale_sigma=float(rng.uniform()),
         limb_px=float(rng.uniform()),
+        films=int(rng.integers(1, 7)),
         slow_px=float(rng.uniform()),
         shared_px=float(rng.uniform()),
         smear_px2=rng.uniform(0.0, 0.5, 2),
@@ -75,5 +76,5 @@ def test_another_file_is_refused_by_name(tmp_path: Path, content: bytes) -> None
 def test_another_format_is_refused_with_both_numbers(tmp_path: Path) -> None:
     path = tmp_path / "pair.npz"
     np.savez(path, format=9)
-    with pytest.raises(InputError, match="format 9, 5 can be read"):
+    with pytest.raises(InputError, match="format 9, 6 can be read"):
         read_knowledge(path)
