@@ -10,6 +10,7 @@ import pytest
 from analysis.collision.operator import Body, Encounter, Outcome, States
 from analysis.effects.effect import ContactEffect
 from rigctl.model.known_effects import ALL_EFFECTS
+from rigctl.page.model.story.answers import learnt
 from rigctl.page.model.story.lead import FAST, READINGS, SLOW, sentence_of
 
 EFFECTS = {effect.name: effect for effect in ALL_EFFECTS}
@@ -73,3 +74,29 @@ def test_a_sentence_names_no_slug_and_no_power_of_ten(effect: str) -> None:
 
 def test_of_an_effect_of_ones_own_nothing_is_said() -> None:
     assert sentence_of("restitution-warmth", 0.1, BOUNCE) == ""
+
+
+def test_what_was_found_is_told_as_what_it_does_and_what_speaks_for_it() -> None:
+    spring = EFFECTS["lasting-contact"].parameters[0]
+    effect = {
+        "effect": "lasting-contact",
+        "title": "",
+        "parameters": [{"symbol": spring.symbol, "unit": spring.unit, "meaning": spring.meaning}],
+    }
+    row = {"channel": "common spin n", "covariate": "ln v_s/v_n"}
+    before = {"prediction_error": 18.8, "parameters": {}, "findings": []}
+    cell = {**row, "deviation": -33.2, "p_familywise": 1e-9}
+    value = {"value": 1.892e-4, "sigma": 8.4e-7}
+    after = {
+        "prediction_error": 0.995,
+        "parameters": {f"lasting-contact.{spring.symbol}": value},
+        "findings": [{**row, "deviation": 1.1, "p_familywise": 0.9}],
+    }
+    mechanism, evidence = learnt(effect, before, after, (cell, {}, {}))
+    assert mechanism.startswith("The spheres are pressed together for 0.1 to 0.2 ms")
+    assert mechanism.endswith("a contact at 1 m/s lasts 0.19 ms (t = 0.18920 ± 0.00084 ms).")
+    assert "falls from 18.8 to 0.995 times the noise" in evidence
+    assert "by 33 standard deviations, with it no more than by chance" in evidence
+    left = {**after, "findings": [{**row, "deviation": 12.0, "p_familywise": 1e-6}]}
+    assert learnt(effect, before, left, (cell, {}, {}))[1].endswith("deviations, with it by 12.")
+    assert "standard deviations" not in learnt(effect, before, after, None)[1]

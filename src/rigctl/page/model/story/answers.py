@@ -11,12 +11,12 @@ from analysis.model.verdict.standing import AT_THE_FLOOR, SURE
 from rigctl.documents import Json
 from rigctl.page.model.compare import is_unexpected
 from rigctl.page.model.story.bars import Bar, bars
-from rigctl.page.model.story.cards import Card
+from rigctl.page.model.story.cards import card_of
 from rigctl.page.model.story.errors import Unseen, three_figures
+from rigctl.page.model.story.lead import sentence_of, shown_in
 from rigctl.page.model.story.plots import before_after
-from rigctl.page.model.story.preview import plainest
-from rigctl.page.model.story.where import PLACES
-from rigctl.page.model.story.words import channel, quantity, sized
+from rigctl.page.model.story.preview import Shown
+from rigctl.page.model.story.words import channel, goes_with, quantity, sized
 from rigctl.page.model.where import BY_POINT, apart
 from rigctl.page.parts.quantities import EXPECTED
 from rigctl.page.parts.tables import minus, with_error
@@ -45,11 +45,8 @@ def fell(title: str, before: Unseen, after: Unseen) -> str:
     return f"{told}. The floor is 1."
 
 
-def changed(before: Json, after: Json, card: Card) -> None:
-    """Place the points without and with an effect beside each other, on the same axes."""
-    shown = plainest(before, after, PLACES.get(card.where, ""))
-    if shown is None:
-        return
+def changed(shown: Shown) -> None:
+    """Place the points of a cell without and with an effect beside each other, on the same axes."""
     cell, first, second = shown
     first = apart(first)
     second = of_the_same(second, first)
@@ -90,6 +87,49 @@ def counts_here(shots: Sequence[int], without: Unseen, with_them: Unseen) -> str
     return (
         f"{named}, left out so far, {fits} with this effect and {'counts' if one else 'count'} "
         f"here and in step 4: so the error begins at {with_them.said()}, not at {without.said()}."
+    )
+
+
+def learnt(effect: Json, before: Json, after: Json, shown: Shown | None) -> tuple[str, str]:
+    """Return what an effect does, and what speaks for it: the two things to tell somebody else.
+
+    Parameters
+    ----------
+    before, after
+        Answers without it and with it, of the same shots.
+    shown
+        The cell that shows it most plainly.
+    """
+    card, parameter = card_of(effect), effect["parameters"][0]
+    value = after["parameters"].get(f"{card.effect}.{parameter['symbol']}") or {"value": None}
+    size = ""
+    if value["value"] is not None:
+        factor, unit = shown_in(parameter, value["value"])
+        bounce = after["parameters"].get("e", {}).get("value") or 0.0
+        told = {name: factor * (value.get(name) or 0.0) for name in ("value", "sigma")}
+        does = sentence_of(card.effect, value["value"], bounce) or parameter["meaning"]
+        does = f"{does[0].lower()}{does[1:].removesuffix('.')}"
+        size = f" Here: {does} ({parameter['symbol']} = {with_error(told)}{unit})."
+    evidence = fell(card.title, Unseen.of(before), Unseen.of(after)).partition(". ")[0]
+    return f"{card.what}{size}", f"{evidence.removesuffix('.')}{_gone(after, shown)}."
+
+
+def _gone(after: Json, shown: Shown | None) -> str:
+    """Say what went with something without the effect; nothing where no cell shows it by itself."""
+    if shown is None or shown[0]["p_familywise"] >= SURE:
+        return ""
+    cell = shown[0]
+    names = cell["channel"], cell["covariate"]
+    left = next(
+        (one for one in after["findings"] if (one["channel"], one["covariate"]) == names), None
+    )
+    if left is None or abs(left["deviation"]) >= abs(cell["deviation"]):
+        return ""
+    by_chance = left["p_familywise"] >= SURE
+    rest = "no more than by chance" if by_chance else f"by {abs(left['deviation']):.0f}"
+    return (
+        f"; without it the {channel(cell['channel'])} errs {goes_with(cell)} by "
+        f"{abs(cell['deviation']):.0f} standard deviations, with it {rest}"
     )
 
 

@@ -7,7 +7,12 @@ from html import escape
 
 from nicegui import ui
 
-from analysis.model.verdict.standing import AT_THE_FLOOR, Standing, Word, standing_of
+from analysis.model.verdict.standing import (
+    WORTH,
+    Standing,
+    Word,
+    standing_of,
+)
 from rigctl.documents import Json
 from rigctl.page.desk import Desk
 from rigctl.page.model.effect_words import described, left_out
@@ -20,19 +25,21 @@ from rigctl.page.model.story.answers import (
     error_bars,
     fell,
     law,
+    learnt,
     worst_of,
 )
 from rigctl.page.model.story.cards import card_of, in_plain
-from rigctl.page.model.story.errors import Unseen, falls_to
+from rigctl.page.model.story.errors import Unseen
 from rigctl.page.model.story.ghost import ShotFilm
-from rigctl.page.model.story.lead import drawing, lead_card
+from rigctl.page.model.story.lead import lead_card
+from rigctl.page.model.story.others import others
 from rigctl.page.model.story.plots import staircase
-from rigctl.page.model.story.where import WhereItFails
+from rigctl.page.model.story.preview import plainest
+from rigctl.page.model.story.where import PLACES, WhereItFails
 from rigctl.page.model.story.words import (
     compared,
     failing,
     fails_where,
-    looked_at,
     missing_words,
 )
 from rigctl.page.parts.choosing import Choice
@@ -41,7 +48,6 @@ from rigctl.page.parts.waiting import Waiting
 from rigctl.page.parts.widgets import button, plot
 
 BARS = 8
-OTHERS = 4
 
 
 class Story:
@@ -290,27 +296,31 @@ class Story:
             lede = "Move the slider: the line among the dots and the error follow."
         elif standing is not None and standing.word is Word.UNEXPLAINED:
             lede = f"None of {len(seen)} effects explains it. The best of them:"
+        if self._nothing_is_left():
+            nothing = f"Nothing is left to add: none of {len(seen)} effects stands out."
+            _lede(nothing, "story-missing")
+            with ui.element("details").props("data-testid=nearest") as folded:
+                ui.html("Look at those that come nearest", sanitize=False, tag="summary")
+                self._looked_at(found, known, seen)
+            folded.props("open" if self._state.has_tried(self._effect) else "")
+            return
         _lede(lede, "story-missing")
+        self._looked_at(found, known, seen)
+
+    def _nothing_is_left(self) -> bool:
+        """Whether something was added, and the model is at its floor."""
+        standing = self._state.standing
+        return bool(self._state.effects) and standing is not None and standing.word is Word.FLOOR
+
+    def _looked_at(self, found: Json, known: dict[str, Json], seen: Sequence[Json]) -> None:
+        """Place the effect that is looked at, its look-alikes and some others."""
         lead_card(known[self._effect], self._fits or (found, None), self._add, self._wait)
         if self._fits is not None:
             back = sorted(set(found["rejected"]) - set(self._fits[0]["rejected"]))
             if back:
                 said = counts_here(back, Unseen.of(found), Unseen.of(self._fits[0]))
                 ui.label(said).classes("note").props("data-testid=counts-here")
-        like: list[str] = next((c["like"] for c in seen if c["effect"] == self._effect), [])
-        alike = [c for c in seen if c["effect"] in like]
-        others = [c for c in seen if c not in alike and c["effect"] != self._effect][:OTHERS]
-        if alike:
-            with ui.element("div").classes("bracket").props("data-testid=look-alikes"):
-                ui.label("Look-alikes: they do the same to these shots.").classes("strong")
-                ui.label(
-                    "They bend the points in almost the same way. What tells each apart stands "
-                    "below it."
-                ).classes("note")
-                self._cards(alike, found)
-        ui.label("Also looked at").classes("strong")
-        ui.label(looked_at(found, len(seen), len(known))).classes("note")
-        self._cards(others, found)
+        others(known, found, seen, self._effect, self._try)
         left_out(found)
 
     def _wait(self) -> bool:
@@ -327,43 +337,22 @@ class Story:
         Waiting(self._desk, title, lambda: self._waits, "trying", in_plain)
         return True
 
-    def _cards(self, candidates: Sequence[Json], found: Json) -> None:
-        known, error = described(found), Unseen.of(found)
-        with ui.element("div").classes("cards"):
-            for candidate in candidates:
-                card = card_of(known[candidate["effect"]])
-                with ui.element("div").classes("card"):
-                    drawing(card)
-                    ui.label(card.title).classes("strong")
-                    ui.label(card.notice).classes("note")
-                    falls = falls_to(found, candidate)
-                    hardly = error.value <= AT_THE_FLOOR or falls.number() == error.number()
-                    if error.floor is not None and hardly:
-                        ui.label("the error would hardly change").classes("note")
-                    elif error.floor is not None:
-                        share = 1.0 - (falls.value - 1.0) / max(error.value - 1.0, 1e-9)
-                        with ui.element("div").classes("track").props("aria-hidden=true"):
-                            bar = ui.element("div").classes("bar")
-                            bar.style(f"width: {100 * max(0.0, min(1.0, share)):.0f}%")
-                        ui.label(f"error would fall to about {falls.said()}").classes("note")
-                    look = button(
-                        "Look at it",
-                        lambda name=card.effect: self._try(name),
-                        testid=f"try-{card.effect}",
-                    )
-                    look.props(f'aria-label="Look at {card.title}"')
-
     def _added(self, found: Json) -> None:
         path = self._state.path()
         if found["with"] and len(path) > 1:
             before, after = path[-2], path[-1]
-            card = card_of(described(found)[found["with"][-1]])
+            effect = described(found)[found["with"][-1]]
+            card = card_of(effect)
             _lede(fell(card.title, Unseen.of(before), Unseen.of(after)), "story-added")
-            changed(before, after, card)
+            shown = plainest(before, after, PLACES.get(card.where, ""))
+            if shown is not None:
+                changed(shown)
             if back := self._state.come_back():
                 ui.label(came_back(back, same=self._state.is_of_the_same_shots)).classes(
                     "note"
                 ).props("data-testid=came-back")
+            if after["prediction_error"] < WORTH * before["prediction_error"]:
+                _learnt(card.title, *learnt(effect, before, after, shown))
         else:
             ui.label(
                 "Nothing is added yet. “Add it” in step 3 puts the effect into the model and fits "
@@ -384,6 +373,14 @@ class Story:
         self._goes_to = 4
         self._take((*self._state.effects, name))
         ui.run_javascript(to_step(4))
+
+
+def _learnt(title: str, mechanism: str, evidence: str) -> None:
+    """Place what somebody who found an effect can tell of it."""
+    with ui.element("div").classes("verdict good").props("data-testid=learnt"):
+        ui.html(f"What you can say of “{escape(title)}”", sanitize=False, tag="h4")
+        ui.html(f"<b>Mechanism:</b> {escape(mechanism)}", sanitize=False)
+        ui.html(f"<b>Evidence:</b> {escape(evidence)}", sanitize=False)
 
 
 def _lede(text: str, testid: str) -> None:
