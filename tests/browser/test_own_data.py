@@ -244,7 +244,15 @@ def test_pictures_without_a_frame_rate_are_measured_once_it_is_stated(
     expect(page.get_by_test_id("own-film")).to_contain_text(
         "the file states no frame rate", timeout=FIRST_USE_MS
     )
-    page.get_by_test_id("ball-diameter-mm").fill("40")
+    # What no ball is across is said at the field, and nothing is put in its place.
+    diameter = page.get_by_test_id("ball-diameter-mm")
+    diameter.fill("-40")
+    diameter.blur()
+    expect(page.get_by_text("0.1 to 2000 mm is allowed")).to_be_visible()
+    expect(diameter).to_have_value("-40")
+    expect(page.get_by_test_id("own-measure")).to_be_disabled()
+    diameter.fill("40")
+    expect(page.get_by_text("0.1 to 2000 mm is allowed")).to_have_count(0)
     expect(page.get_by_test_id("no-rate")).to_be_visible()
     expect(page.get_by_test_id("own-measure")).to_be_disabled()
     page.get_by_test_id("fps").fill("100")

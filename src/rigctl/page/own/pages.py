@@ -28,10 +28,17 @@ from rigctl.page.own.look import FUNCTIONS, LookPanel
 from rigctl.page.own.marks import diameter_by_line, scale_words, unlike_words, window_of
 from rigctl.page.own.measured import MeasuredFilms
 from rigctl.page.own.table import TableView
+from rigctl.page.parts.fields import OptionalNumber
 from rigctl.page.parts.following import following
 from rigctl.page.parts.presence import kept_page
 from rigctl.page.parts.waiting import Waiting
 from rigctl.page.parts.widgets import button
+
+Range = tuple[float, float, str]
+"""Least, most, and their unit."""
+DIAMETERS, MASSES = (0.1, 2000.0, "mm"), (1e-6, 1e6, "g")
+RATES, LENGTHS = (0.1, 1e8, ""), (0.1, 1e5, "mm")
+"""What may be stated of a ball, its camera and a line over a known length."""
 
 
 class ScaleForm:
@@ -47,17 +54,20 @@ class ScaleForm:
         self._look = look
         self.ready = False
         ui.html("2 Scale and part", sanitize=False, tag="h3").classes("card-heading")
-        self._diameter = _number("Diameter of the ball, mm", "ball-diameter-mm", "the scale")
+        self._diameter = _number(
+            "Diameter of the ball, mm", "ball-diameter-mm", "the scale", DIAMETERS
+        )
         self._marked()
         self._mass = _number(
-            "Its mass, g (if known)", "ball-mass-g", "then the air's drag is known"
+            "Its mass, g (if known)", "ball-mass-g", "then the air's drag is known", MASSES
         )
-        self._rate = _number("Frames a second, if not the file's", "fps", "of the camera")
+        self._rate = _number("Frames a second, if not the file's", "fps", "of the camera", RATES)
         ui.label("All speeds follow from the frame rate; the fall of the ball checks it.").classes(
             "note"
         )
-        self._diameter.on_value_change(self.refresh)
-        self._rate.on_value_change(self._rated)
+        self._diameter.field.on_value_change(self.refresh)
+        self._mass.field.on_value_change(self.refresh)
+        self._rate.field.on_value_change(self._rated)
 
     def refresh(self) -> None:
         """Follow the marks and the fields."""
@@ -71,8 +81,8 @@ class ScaleForm:
         return {
             "diameter_mm": known or (by_line.value if by_line else None),
             "diameter_sigma": 0.0 if known or not by_line else by_line.sigma / by_line.value,
-            "mass_g": self._mass.value or None,
-            "rate_hz": self._rate.value or None,
+            "mass_g": self._mass.value,
+            "rate_hz": self._rate.value,
             "window": list(window_of(part, size)) if part and size else None,
         }
 
@@ -83,9 +93,10 @@ class ScaleForm:
     def _marked(self) -> None:
         marks = self._look.marks
         by_line = diameter_by_line(marks, self._length_mm)
-        known = self._diameter.value or None
+        known = self._diameter.value
         lacks_rate = self._look.unrated and not self._rate_hz
-        self.ready = bool(known or by_line) and not lacks_rate
+        valid = all(field.valid for field in (self._diameter, self._mass, self._rate))
+        self.ready = bool(known or by_line) and not lacks_rate and valid
         ui.label(scale_words(marks, known, by_line)).classes("note").props(
             "data-testid=scale-words role=status"
         )
@@ -105,9 +116,11 @@ class ScaleForm:
             if marks.part is not None:
                 button("Look at all of the picture", self._look.take_all, testid="take-all")
         if marks.line is not None:
-            length = _number("Length of the line, mm", "line-mm", "of what the line lies over")
-            length.set_value(self._length_mm)
-            length.on("change", lambda: self._measure_line(length.value))
+            length = _number(
+                "Length of the line, mm", "line-mm", "of what the line lies over", LENGTHS
+            )
+            length.field.set_value(self._length_mm)
+            length.field.on("change", lambda: self._measure_line(length))
         part, size = marks.part, self._look.size
         if size is not None:
             x, y, w, h = window_of(part or (0, 0, *size), size)
@@ -117,17 +130,20 @@ class ScaleForm:
             ).props("data-testid=part-words")
 
     def _rated(self) -> None:
-        self._rate_hz = self._rate.value or None
+        self._rate_hz = self._rate.value
         self.refresh()
 
-    def _measure_line(self, length_mm: float | None) -> None:
-        self._length_mm = length_mm
-        self.refresh()
+    def _measure_line(self, length: OptionalNumber) -> None:
+        # A length that cannot be stays in its field, with what is allowed.
+        if length.valid:
+            self._length_mm = length.value
+            self.refresh()
 
 
-def _number(label: str, testid: str, hint: str) -> ui.number:
-    placed = ui.number(label, min=0.0).props(f"outlined dense data-testid={testid}")
-    return placed.classes("wide").tooltip(hint)
+def _number(label: str, testid: str, hint: str, within: Range) -> OptionalNumber:
+    placed = OptionalNumber(label, testid, within[:2], within[2])
+    placed.field.classes("wide").tooltip(hint)
+    return placed
 
 
 class FilmView:

@@ -21,13 +21,14 @@ from rigctl.measuring.own_table import (
 from rigctl.page.desk import Desk
 from rigctl.page.own.brought import CAMPAIGN, MEASURED, Brought
 from rigctl.page.own.measured import onwards, save_campaign
+from rigctl.page.parts.fields import OptionalNumber
 from rigctl.page.parts.tables import minus
 
 PREVIEWED = 6
 NAMED = 8
 """So many rows that are left out are named; of the others their number."""
 BODIES = {False: "two equal balls", True: "a ball and a fixed surface"}
-DIAMETER_MM = 25.4
+DIAMETER_MM, DIAMETERS_MM = 25.4, (0.1, 1000.0)
 
 
 class TableView:
@@ -111,15 +112,15 @@ class TableView:
             self._plate = bool(event.value)
             self._result.refresh()
 
-        def size(event: events.ValueChangeEventArguments[float | None]) -> None:
-            self._diameter_mm = event.value or 0.0
+        def size() -> None:
+            self._diameter_mm = diameter.value or 0.0
             self._result.refresh()
 
         with ui.element("div").classes("beside"):
             ui.radio(BODIES, value=self._plate, on_change=meet).props("inline dense")
-            ui.number("Diameter, mm", value=DIAMETER_MM, min=0.1, max=1000, on_change=size).props(
-                "outlined dense data-testid=ball-diameter-mm"
-            )
+            diameter = OptionalNumber("Diameter, mm", "ball-diameter-mm", DIAMETERS_MM, "mm")
+            diameter.field.set_value(DIAMETER_MM)
+            diameter.field.on_value_change(size)
 
     @ui.refreshable_method
     def _result(self) -> None:
@@ -136,7 +137,7 @@ class TableView:
             "data-testid=own-rows role=status"
         )
         _left_out(found)
-        if not found.impacts or not 0.1 <= self._diameter_mm <= 1000:
+        if not found.impacts or not self._diameter_mm:
             return
         first = found.impacts[0].speeds
         ui.label(

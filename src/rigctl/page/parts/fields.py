@@ -82,10 +82,42 @@ class NumberField:
         self._field.set_enabled(enabled)
 
     def _fault(self, given: float | None, unit: str) -> str | None:
-        low, high = self._bounds
-        if given is not None and low <= given <= high:
-            return None
-        return f"{low:g} to {high:g} {unit} is allowed"
+        return outside(math.nan if given is None else given, self._bounds, unit)
+
+
+def outside(given: float, bounds: tuple[float, float], unit: str) -> str | None:
+    """Return the words on a number outside its range; None within it."""
+    low, high = bounds
+    return None if low <= given <= high else f"{low:g} to {high:g} {unit} is allowed".rstrip()
+
+
+class OptionalNumber:
+    """A number that may be left out; one outside its range is said at the field and not taken.
+
+    Attributes
+    ----------
+    field
+        The field itself.
+    """
+
+    def __init__(self, label: str, testid: str, bounds: tuple[float, float], unit: str) -> None:
+        self._bounds, self._unit = bounds, unit
+        self.field = ui.number(label, validation=self._fault)
+        self.field.props(f"outlined dense hide-bottom-space data-testid={testid}")
+
+    @property
+    def value(self) -> float | None:
+        """What the field holds; None where it is empty or outside its range."""
+        given = self.field.value
+        return None if given is None or self._fault(given) else float(given)
+
+    @property
+    def valid(self) -> bool:
+        """Whether it is empty, or lies in its range."""
+        return self._fault(self.field.value) is None
+
+    def _fault(self, given: float | None) -> str | None:
+        return None if given is None else outside(given, self._bounds, self._unit)
 
 
 def _slider(
