@@ -10,7 +10,7 @@ import numpy as np
 from analysis.arrays import Floats
 from analysis.balls.carried import NotFlyingError, TurningError
 from analysis.balls.films.fields import FieldsFilm, InterlacedError
-from analysis.balls.films.film import Film
+from analysis.balls.films.film import Film, FilmHead
 from analysis.balls.films.part import Cut, PartOfFilm
 from analysis.balls.films.reading import open_film
 from analysis.balls.flight.known import Ball
@@ -92,13 +92,32 @@ def _of_fields(job: FilmJob) -> FilmJob:
 
 
 def _analysed(film: Film, job: FilmJob) -> AnalysedFilm:
+    whole = film.head
     if job.lens is not None:
         film = StraightFilm(film, job.lens)
     if job.cut is not None:
         film = PartOfFilm(film, job.cut)
     times = frame_times(film, job.rate_hz)
     exposure = job.exposure_s if job.exposure_s is not None else film.head.exposure_s
-    return analyse_held(film, times, job.ball, exposure)
+    found = analyse_held(film, times, job.ball, exposure)
+    if job.cut is None:
+        return found
+    return replace(found, notes=(_cut_away(job.cut, whole), *found.notes))
+
+
+def _cut_away(cut: Cut, head: FilmHead) -> str:
+    """Say what of a film was not looked at, and from where frames and pixels count."""
+    last = head.frames if cut.last is None else cut.last
+    said = f"frames {cut.first} to {last - 1} of {head.frames} were looked at, as was asked"
+    if cut.first:
+        said += f"; frame numbers here count from frame {cut.first}"
+    if cut.window is not None:
+        x, y, w, h = cut.window
+        said += (
+            f"; of their pictures columns {x} to {x + w - 1} and rows {y} to {y + h - 1}, from "
+            "whose corner pixels count"
+        )
+    return said
 
 
 def analyse_held(film: Film, times: Floats, ball: Ball, exposure: float | None) -> AnalysedFilm:

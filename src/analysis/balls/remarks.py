@@ -18,6 +18,12 @@ from analysis.errors import counted
 NEAR_RADII = 1.6
 UNSETTLED_E = 0.01
 """Change of e when the ball's light is learned once more, of flights that do not fit the film."""
+LOW_BOUNCE = 0.2
+"""Of a radius: rows that differ by more at the plate are those of a ball that bounces."""
+FOLLOWED = 4.0
+"""Frames from the last place of a flight to the bounce that ends it: seen up to there."""
+CONTACT_FRAMES = 0.6
+"""Frames beside a contact, and half the exposure, in which places may show part of it."""
 SHOWN = 12
 """Frames that a sentence lists."""
 
@@ -44,7 +50,9 @@ def _remarks(measured: MeasuredBall) -> Iterator[str]:
             "bounces there, frames are missing, or the film's rate varies without times of its own"
         )
         return
+    yield from _one_more(measured, measured.flights)
     yield from _of_flights(measured.flights, head)
+    yield from _do_not_count(measured, measured.flights)
     yield from _unsettled(measured.unsettled_e, measured.flights)
 
 
@@ -78,9 +86,13 @@ def _outside(measured: MeasuredBall) -> Iterator[str]:
             continue
         start, end = np.median(own[:3, 1:], axis=0), np.median(own[-3:, 1:], axis=0)
         down, across = abs(end[0] - start[0]), abs(end[1] - start[1])
-        does = "is held or rests"
-        if across > max(2 * down, 0.5 * measured.looks.radius_px):
-            does = "rolls or is carried"
+        radius = measured.looks.radius_px
+        moves = across > max(2 * down, 0.5 * radius)
+        does = "rolls or is carried" if moves else "is held or rests"
+        if len(chain.places) and (np.abs(own[:, 1] - chain.places[-1, 0]) < radius).all():
+            does = "rolls along the plate" if moves else "rests on the plate"
+            if np.ptp(own[:, 1]) > LOW_BOUNCE * radius:
+                does = "bounces too low to be measured"
         yield (
             f"{when} its flights, in frames {own[0, 0]:.0f} to {own[-1, 0]:.0f}, the ball or what "
             f"looks like it {does}: from ({start[0]:.0f}, {start[1]:.0f}) to ({end[0]:.0f}, "
@@ -133,13 +145,10 @@ def _at(arc: Arc, index: int) -> str:
 def _edges(measured: MeasuredBall) -> Iterator[str]:
     """Say where the ball enters or leaves the picture, and where the film begins or ends."""
     head, chain = measured.head, measured.chain
-    reach = NEAR_RADII * measured.looks.radius_px
     for arc, index, word in ((chain.arcs[0], 0, "enters"), (chain.arcs[-1], -1, "leaves")):
-        row, column = arc.places[index]
         frame = int(arc.frames[index])
-        inside = reach < row < head.height - reach and reach < column < head.width - reach
         at_the_film_s_end = frame in (0, head.frames - 1)
-        if not inside and not at_the_film_s_end:
+        if _goes_out(measured, arc, index) and not at_the_film_s_end:
             yield f"the ball {word} the picture at frame {frame} {_at(arc, index)}"
         elif at_the_film_s_end and word == "leaves" and len(arc.frames) < 2 * LEAST_PLACES:
             yield f"the film ends at frame {frame}, soon after a bounce, {_at(arc, index)}"
@@ -151,6 +160,76 @@ def _edges(measured: MeasuredBall) -> Iterator[str]:
     ]
     for a, b in gaps:
         yield f"the ball is not seen between frames {a} and {b}: it is hidden or out of the picture"
+
+
+def _goes_out(measured: MeasuredBall, arc: Arc, index: int) -> bool:
+    """Return whether the ball is about to cross a border of the picture, or has just come in.
+
+    Below the plate it does not go.
+    """
+    if len(arc.frames) < 2:
+        return False
+    head, radius = measured.head, measured.looks.radius_px
+    inner = 1 if index == 0 else -2
+    place, step = arc.places[index], arc.places[index] - arc.places[inner]
+    plate = measured.chain.places[:, 0].max(initial=-np.inf)
+    bottom = head.height if plate + radius > head.height or plate < 0 else np.inf
+    room = np.array([place[0], place[1], bottom - place[0], head.width - place[1]])
+    outward = np.concatenate([-step, step])
+    return bool(((outward > 0) & (room < NEAR_RADII * radius + outward)).any())
+
+
+def _one_more(measured: MeasuredBall, flights: Flights) -> Iterator[str]:
+    """Say where and why a bounce that ends the last flight is not measured."""
+    head, radius = measured.head, measured.looks.radius_px
+    period = float(np.median(np.diff(measured.times_s)))
+    time = flights.next_contact_s
+    row, column, _ = flights.at(np.array([time]), np.array([flights.bounces]))[0]
+    frame = (time - float(flights.row_delay(np.array([[row, column]]))[0])) / period
+    last = head.frames - 1
+    own = flights.observed.frames[flights.arcs == flights.bounces]
+    if frame > last + 0.5 or frame - own.max(initial=0) > FOLLOWED:
+        return
+    arcs = measured.chain.arcs
+    places = np.concatenate([np.column_stack([a.frames, a.places]) for a in arcs])
+    seen = np.concatenate([places, measured.search.unexplained])
+    after = seen[seen[:, 0] > frame]
+    left = max(0, int(last - math.floor(frame + 0.5)))
+    if left < LEAST_PLACES:
+        why = (
+            f"the film ends {counted(left, 'frame')} after it, at frame {last}; {LEAST_PLACES} are "
+            "needed"
+        )
+    elif not len(after):
+        why = "the ball is not seen after it"
+    elif (row - after[:, 1] < radius).all():
+        why = (
+            f"until frame {after[:, 0].max():.0f} the ball stays over its shadow at the plate, "
+            "where places are off: it bounces too low, rolls or rests"
+        )
+    else:
+        why = "no free flight follows it: the ball is caught, hidden, or out of the picture"
+    yield (
+        f"bounce {flights.bounces + 1}, at about frame {frame:.1f} and ({row:.0f}, {column:.0f}) "
+        f"px, is not measured: {why}"
+    )
+
+
+def _do_not_count(measured: MeasuredBall, flights: Flights) -> Iterator[str]:
+    """Name the frames of the flights that do not count, by reason."""
+    frames = flights.observed.frames
+    times = flights.observed.times_s + flights.row_delay(flights.observed.places)
+    period = float(np.median(np.diff(measured.times_s)))
+    near = 0.5 * measured.exposure_s + CONTACT_FRAMES * period
+    contacts = np.append(flights.contacts[:, 0], flights.next_contact_s)
+    touching = (np.abs(times[:, None] - contacts).min(axis=1) < near) | (times > contacts[-1])
+    for which, why in (
+        (~flights.used & touching, "exposed during a contact, or next to one"),
+        (~flights.used & ~touching, "off the flights"),
+    ):
+        if which.any():
+            listed = ", ".join(str(int(frame)) for frame in frames[which])
+            yield f"frames that do not count ({why}): {listed}"
 
 
 def _of_flights(flights: Flights, head: FilmHead) -> Iterator[str]:
@@ -197,11 +276,6 @@ def _of_flights(flights: Flights, head: FilmHead) -> Iterator[str]:
             f"{left_out[0]} at ({a:.0f}, {b:.0f}) px to frame {left_out[-1]} at ({c:.0f}, {d:.0f}) "
             "px: the film's rate varies and its times do not say so, or something holds or hides "
             f"the ball; the error of e holds as much ({flights.doubt:.2f})"
-        )
-    if left_out:
-        yield (
-            "frames that do not count (exposed during a contact, or off the flights): "
-            + ", ".join(map(str, left_out))
         )
 
 

@@ -119,6 +119,12 @@ def test_a_film_that_ends_in_the_middle_of_a_bounce_gives_the_flights_before_it(
     assert shot["status"] == "measured"
     assert len(shot["impacts"]) == 1
     assert shot["impacts"][0]["e"]["value"] == pytest.approx(0.8, abs=0.02)
+    # A person sees the second bounce: why it is not used is said, with its frame.
+    (said,) = [note for note in shot["notes"] if note.startswith("bounce 2, ")]
+    frame = float(said.split("about frame ")[1].split()[0])
+    assert frame == pytest.approx(lowest[1], abs=1.0)
+    assert f"the film ends 1 frame after it, at frame {lowest[1] + 1}; 4 are needed" in said
+    assert not any("leaves the picture" in note for note in shot["notes"])
 
 
 def test_a_film_that_stands_upside_down_is_said_and_measured(
@@ -182,7 +188,10 @@ def test_only_the_frames_that_are_asked_for_count(
     film: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     size = ["--ball-diameter-mm", f"{DIAMETER_MM:.3f}", "--fps", "200", "--exposure-us", "0"]
-    shot = answer(capsys, str(film), *size, "--frames", "20:100")
+    shot = answer(capsys, str(film), *size, "--frames", "20:100", "--roi", "10,0,100,240")
+    assert "frames 20 to 99 of 100" in shot["notes"][0]
+    assert "count from frame 20" in shot["notes"][0]
+    assert "columns 10 to 109 and rows 0 to 239" in shot["notes"][0]
     assert shot["impacts"][0]["e"]["value"] == pytest.approx(0.8, abs=0.02)
 
 

@@ -91,7 +91,7 @@ def test_a_ball_that_rolls_away_after_its_bounce_is_said_with_frames_and_places(
     pictures, first = odd_films.rolls_away()
     shot = analysed(pictures, tmp_path, capsys)
     assert is_true(shot["impacts"][0], 0.6)
-    assert f"in frames {first} to 169" in said(shot, "rolls or is carried")
+    assert f"in frames {first} to 169" in said(shot, "rolls along the plate")
 
 
 def test_pictures_that_a_film_shows_twice_are_said_and_do_not_count(

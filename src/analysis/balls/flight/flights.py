@@ -137,6 +137,13 @@ class Flights:
         return len(self.contacts)
 
     @property
+    def next_contact_s(self) -> float:
+        """Return when the last flight meets the plate again, s, but for the drag of the air."""
+        lasts = 2.0 * self.contacts[-1, 3] / self.values[path.FALL]
+        stay = max(0.0, float(self.values[path.STAY]))
+        return float(self.contacts[-1, 0] + stay + lasts)
+
+    @property
     def doubt(self) -> float:
         """Return the share of places off the flights where much lies off them, else 0.
 
