@@ -128,7 +128,7 @@ def _gone(after: Json, shown: Shown | None) -> str:
     by_chance = left["p_familywise"] >= SURE
     rest = "no more than by chance" if by_chance else f"by {abs(left['deviation']):.0f}"
     return (
-        f"; without it the {channel(cell['channel'])} errs {goes_with(cell)} by "
+        f"; without it the {channel(cell)} errs {goes_with(cell)} by "
         f"{abs(cell['deviation']):.0f} standard deviations, with it {rest}"
     )
 
