@@ -39,13 +39,16 @@ def fire_and_wait(
     progress: Callable[[str], None],
     *,
     warn: Callable[[str], None] = lambda _: None,
+    compiling: Callable[[], str | None] = lambda: None,
     clock: Callable[[], float] = time.monotonic,
     pause: Callable[[float], None] = time.sleep,
 ) -> dict[str, Any]:
     """Fire one shot and return it as REST shows it, with its measurement under `result`.
 
-    The measurement is waited for at most `wait_s`; `result` is None when there is none. `warn` is
-    called before the fire, with what the rig says when it is armed.
+    The measurement is waited for at most `wait_s`, counted from the end of compiling where it has
+    to wait for that; `result` is None when there is none. `warn` is called before the fire, with
+    what the rig says when it is armed. `compiling` says how far the compiler is, None where nothing
+    is compiled; the analysis bounds that by itself.
     """
     progress("setting pressure and offset")
     armed = rig.arm(settings)
@@ -54,7 +57,14 @@ def fire_and_wait(
     progress("firing")
     name = rig.fire(armed.token, str(uuid.uuid4()), campaign)
     progress(f"shot {name}: waiting for its measurement")
-    return measured(rig, name, wait_s, clock=clock, pause=pause)
+
+    def far() -> str | None:
+        words = compiling()
+        if words is not None:
+            progress(f"shot {name}: {words}")
+        return words
+
+    return measured(rig, name, wait_s, compiling=far, clock=clock, pause=pause)
 
 
 def measured(
@@ -62,6 +72,7 @@ def measured(
     name: str,
     wait_s: float,
     *,
+    compiling: Callable[[], str | None] = lambda: None,
     clock: Callable[[], float] = time.monotonic,
     pause: Callable[[float], None] = time.sleep,
 ) -> dict[str, Any]:
@@ -70,6 +81,8 @@ def measured(
     record = rig.shot(name)
     while record["state"] in ON_THE_WAY and clock() < deadline:
         pause(_POLL_S)
+        if compiling() is not None:
+            deadline = clock() + wait_s
         record = rig.shot(name)
     ended = record["state"] in {"analysed", "refused"}
     return {**record, "result": rig.result(name) if ended else None}

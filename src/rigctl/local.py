@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import getpass
+import time
 import uuid
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -65,6 +66,15 @@ class LocalRig:
             )
         frames, times_s, _ = read_stored_shot(self._daemon.store.folders.folder(shot.id))
         return frames, times_s
+
+    def compiling(self) -> str | None:
+        """Return how far the compiler is that an analysis waits for; None: none does."""
+        now = self._daemon.compiling()
+        if now is None:
+            return None
+        left = now.left_s(time.monotonic())
+        words = "" if left is None else f", about {max(1, round(left / 60))} min left"
+        return f"{now.words}, {100 * now.share:.0f} %{words}"
 
     def result(self, shot: str) -> Mapping[str, Any]:
         """Return the measurement of one shot."""

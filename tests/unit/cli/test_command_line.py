@@ -278,6 +278,26 @@ def test_the_wait_for_a_measurement_has_an_end() -> None:
     assert len(bench.fired) == 1
 
 
+def test_the_wait_begins_when_the_compiler_has_ended() -> None:
+    """A first shot waits as long as compiling takes, and says how far that is."""
+    bench = Bench(["analysing"] * 200 + ["analysed"])
+    waited: list[float] = []
+    said: list[str] = []
+    document = fire_and_wait(
+        bench,
+        settings(),
+        None,
+        2.0,
+        said.append,
+        compiling=lambda: "compiling, 40 %" if sum(waited) < 19.0 else None,
+        clock=lambda: sum(waited),
+        pause=waited.append,
+    )
+    assert document["state"] == "analysed"
+    assert sum(waited) > 19.0
+    assert said[-1].endswith("compiling, 40 %")
+
+
 def test_two_shots_never_share_a_key() -> None:
     bench = Bench(["misfire"])
     for _ in range(2):

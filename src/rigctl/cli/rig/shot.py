@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from pydantic import ValidationError
@@ -18,10 +18,13 @@ from rigctl.cli.output import print_json, progress
 from rigctl.client import connected
 from rigctl.config import load
 from rigctl.errors import NotFoundError, RefusedError, SettingsError
-from rigctl.firing import ON_THE_WAY, Operable, fire_and_wait
+from rigctl.firing import ON_THE_WAY, fire_and_wait
 from rigctl.plain_text import require_word
 from rigctl.rig.bounds import allowed, require_value
 from rigctl.settings import ShotSettings
+
+if TYPE_CHECKING:
+    from rigctl.local import LocalRig
 
 _WITHOUT_FRAMES = frozenset({"misfire", "aborted", "unknown_outcome", "interrupted"})
 _NAMES = {
@@ -86,19 +89,26 @@ def shot(
     )
     if campaign is not None:
         require_word(campaign, "is not a campaign's name", "campaign", todo="choose another name")
-    rig = _local(config) if local else connected(config, given_key(key, key_file))
-    with rig as opened, progress() as report:
-        document = fire_and_wait(opened, settings, campaign, wait_s, report, warn=_warn)
+    if local:
+        with _local(config) as mine, progress() as report:
+            document = fire_and_wait(
+                mine, settings, campaign, wait_s, report, warn=_warn, compiling=mine.compiling
+            )
+    else:
+        with connected(config, given_key(key, key_file)) as rig, progress() as report:
+            document = fire_and_wait(rig, settings, campaign, wait_s, report, warn=_warn)
     _print(document, as_json=json)
-    _require_measured(document)
+    _require_measured(document, local=local)
 
 
-def _local(config: Path | None) -> AbstractContextManager[Operable]:
+def _local(config: Path | None) -> AbstractContextManager[LocalRig]:
     # A daemon loads what a command beside one does not need.
     from rigctl import logs  # noqa: PLC0415
+    from rigctl.cli.frames.compile_note import announce_compiling  # noqa: PLC0415
     from rigctl.local import opened  # noqa: PLC0415
 
     logs.set_up("text")
+    announce_compiling(load(config).analysis.method)
     return opened(config)
 
 
@@ -192,7 +202,7 @@ def _table(rows: list[tuple[str, Mapping[str, Any]]]) -> Table:
     return table
 
 
-def _require_measured(document: Mapping[str, Any]) -> None:
+def _require_measured(document: Mapping[str, Any], *, local: bool) -> None:
     state, name = str(document["state"]), str(document["shot"])
     why = f": {document['failure']}" if document["failure"] else ""
     if state in _WITHOUT_FRAMES:
@@ -208,8 +218,13 @@ def _require_measured(document: Mapping[str, Any]) -> None:
             todo="look at the frames",
         )
     if state in ON_THE_WAY:
+        later = (
+            "its frames are stored: the next `rigctl shot --local` or `rigctl serve` on this store "
+            "measures it; give a longer --wait-s, and compile beforehand with `rigctl precompile`"
+            if local
+            else f"ask later with GET /api/v1/shots/{name}/result; the first analysis on the "
+            "daemon's computer takes minutes, `rigctl precompile` there does that beforehand"
+        )
         raise NotFoundError(
-            f"the shot is {state}, its measurement did not come in time",
-            shot=name,
-            todo=f"ask later with GET /api/v1/shots/{name}/result",
+            f"the shot is {state}, its measurement did not come in time", shot=name, todo=later
         )
