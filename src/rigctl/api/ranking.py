@@ -69,7 +69,18 @@ class Ranking(Pictured):
             "effect": [row["effect"] for row in rows],
             **{name: [row[key] for row in rows] for name, key in shown.items()},
             "like": [", ".join(row["like"]) for row in rows],
+            "why_no_score": [self._unseen(row) for row in rows],
         }
+
+    def _unseen(self, row: Json) -> str:
+        """Return why an effect has no score, and which shots would give it one."""
+        if row["seen"]:
+            return ""
+        effect = next(c.effect for c in self._ranked.candidates if c.effect.name == row["effect"])
+        return (
+            "not determined: whatever its size, these shots would be the same. What would show it: "
+            f"{effect.gives_away}"
+        )
 
 
 class ErrorPath(Pictured):

@@ -57,6 +57,12 @@ def test_a_film_of_a_ball_has_its_bounces_in_python_and_is_measured_once(campaig
         again = rigctl.open(place).measure()
         assert list(again.table()["e"]) == pytest.approx(list(table["e"]), abs=0.005)
     assert again.now == 0
+    # Without spin much has no score: it says what would show it.
+    ranking = rigctl.open(campaign).fit().rank()
+    scores = [row["score"] for row in ranking.to_list()]
+    assert None in scores
+    for score, why in zip(scores, ranking.table()["why_no_score"], strict=True):
+        assert (score is None) == ("not determined" in why)
 
 
 def test_a_film_of_other_bodies_than_the_thesis_s_asks_for_the_diameter(

@@ -15,6 +15,8 @@ from analysis.balls.films.stacks import (
 )
 from analysis.balls.films.video import VideoFilm
 from analysis.errors import InputError
+from analysis.imaging.files.png_files import SUFFIX as PNG_SUFFIX
+from analysis.imaging.files.png_files import refuse_single
 from analysis.imaging.files.tiff_file import read_tiff
 
 VIDEO_SUFFIXES = (".avi", ".mkv", ".mp4", ".mov", ".m4v", ".webm")
@@ -47,6 +49,8 @@ def open_film(path: Path) -> Film:
             return CineFilm(path)
         if suffix in PHOTRON_SUFFIXES:
             return PhotronFilm(path)
+        if suffix == PNG_SUFFIX:
+            refuse_single(path)
     except OSError as error:
         raise InputError(path, f"cannot be read: {error.strerror or error}") from error
     kinds = ", ".join(FILM_SUFFIXES)

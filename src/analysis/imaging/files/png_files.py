@@ -191,6 +191,15 @@ def read_picture(path: Path, budget: FrameBudget) -> NDArray[np.generic]:
     return np.asarray(page)
 
 
+def refuse_single(path: Path) -> None:
+    """Refuse one picture in the place of a film; raise `InputError`, which says if it is damaged.
+
+    A film of pictures is a folder.
+    """
+    read_picture(path, FrameBudget(path))
+    raise InputError(path, "is one picture and no film: give the folder that holds the pictures")
+
+
 def numbered_files(folder: Path, suffix: str) -> list[Path]:
     """Return the files of a folder with a suffix in the order of the numbers in their names.
 

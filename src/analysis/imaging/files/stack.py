@@ -12,7 +12,8 @@ from analysis.arrays import Grey
 from analysis.errors import InputError, counted
 from analysis.files import FrameBudget, read_json
 from analysis.imaging.files.npy_file import read_npy
-from analysis.imaging.files.png_files import read_pngs
+from analysis.imaging.files.png_files import SUFFIX as PNG_SUFFIX
+from analysis.imaging.files.png_files import read_pngs, refuse_single
 from analysis.imaging.files.tiff_file import read_tiff
 from analysis.imaging.files.video_file import ColourError, read_video
 
@@ -111,6 +112,8 @@ def _read(path: Path) -> tuple[NDArray[np.generic], tuple[str, ...]]:
     if suffix in VIDEO_SUFFIXES:
         pages, notes = read_video(path, budget)
         return _stacked(path, pages), notes
+    if suffix == PNG_SUFFIX:
+        refuse_single(path)
     raise InputError(path, f"frames are read from {', '.join(SUFFIXES)} or a folder of PNG")
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import tifffile
 
+from analysis.balls.films.reading import open_film
 from analysis.errors import InputError
 from analysis.imaging.files.stack import read_stack
 
@@ -230,6 +231,12 @@ def test_a_broken_png_is_named(tmp_path: Path) -> None:
     (folder / "002.png").write_bytes(b"\x89PNG broken")
     with pytest.raises(InputError, match=r"002\.png: not a whole PNG"):
         read_stack(folder)
+    # Alone it is named alike, and a whole one is no film.
+    for read in (read_stack, open_film):
+        with pytest.raises(InputError, match=r"002\.png: not a whole PNG"):
+            read(folder / "002.png")
+        with pytest.raises(InputError, match=r"001\.png: is one picture and no film"):
+            read(folder / "001.png")
 
 
 def test_nothing_an_empty_folder_and_an_unknown_kind_are_refused(tmp_path: Path) -> None:
