@@ -100,3 +100,7 @@ def test_what_was_found_is_told_as_what_it_does_and_what_speaks_for_it() -> None
     left = {**after, "findings": [{**row, "deviation": 12.0, "p_familywise": 1e-6}]}
     assert learnt(effect, before, left, (cell, {}, {}))[1].endswith("deviations, with it by 12.")
     assert "standard deviations" not in learnt(effect, before, after, None)[1]
+    # Of a small effect, which no cell shows, its size speaks.
+    small = {**before, "prediction_error": 0.996}
+    evidence = learnt(effect, small, after, None)[1]
+    assert "too little to tell by this error alone; its size is 225 standard errors" in evidence

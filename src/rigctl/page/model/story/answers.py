@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from html import escape
 
 from nicegui import ui
 
@@ -11,7 +12,7 @@ from analysis.model.verdict.standing import AT_THE_FLOOR, SURE
 from rigctl.documents import Json
 from rigctl.page.model.compare import is_unexpected
 from rigctl.page.model.story.bars import Bar, bars
-from rigctl.page.model.story.cards import card_of
+from rigctl.page.model.story.cards import card_of, in_plain
 from rigctl.page.model.story.errors import Unseen, three_figures
 from rigctl.page.model.story.lead import sentence_of, shown_in
 from rigctl.page.model.story.plots import before_after
@@ -90,6 +91,13 @@ def counts_here(shots: Sequence[int], without: Unseen, with_them: Unseen) -> str
     )
 
 
+def size_of(effect: Json, after: Json) -> Json:
+    """Return the size of an effect in a fit with it; its value is None where there is none."""
+    name = f"{effect['effect']}.{effect['parameters'][0]['symbol']}"
+    found: Json = after["parameters"].get(name) or {"value": None}
+    return found
+
+
 def learnt(effect: Json, before: Json, after: Json, shown: Shown | None) -> tuple[str, str]:
     """Return what an effect does, and what speaks for it: the two things to tell somebody else.
 
@@ -101,8 +109,7 @@ def learnt(effect: Json, before: Json, after: Json, shown: Shown | None) -> tupl
         The cell that shows it most plainly.
     """
     card, parameter = card_of(effect), effect["parameters"][0]
-    value = after["parameters"].get(f"{card.effect}.{parameter['symbol']}") or {"value": None}
-    size = ""
+    value, size = size_of(effect, after), ""
     if value["value"] is not None:
         factor, unit = shown_in(parameter, value["value"])
         bounce = after["parameters"].get("e", {}).get("value") or 0.0
@@ -111,7 +118,35 @@ def learnt(effect: Json, before: Json, after: Json, shown: Shown | None) -> tupl
         does = f"{does[0].lower()}{does[1:].removesuffix('.')}"
         size = f" Here: {does} ({parameter['symbol']} = {with_error(told)}{unit})."
     evidence = fell(card.title, Unseen.of(before), Unseen.of(after)).partition(". ")[0]
-    return f"{card.what}{size}", f"{evidence.removesuffix('.')}{_gone(after, shown)}."
+    evidence = f"{evidence.removesuffix('.')}{_gone(after, shown)}"
+    if is_sure(value) and after["prediction_error"] > LITTLE * before["prediction_error"]:
+        evidence += f"; its size is {_errors_away(value):.0f} standard errors from none"
+    return f"{card.what}{size}", f"{evidence}."
+
+
+def place_learnt(title: str, mechanism: str, evidence: str, as_well: str) -> None:
+    """Place what somebody who found an effect can tell of it; `as_well` is what would do too."""
+    with ui.element("div").classes("verdict good").props("data-testid=learnt"):
+        ui.html(f"What you can say of “{escape(title)}”", sanitize=False, tag="h4")
+        ui.html(f"<b>Mechanism:</b> {escape(mechanism)}", sanitize=False)
+        ui.html(f"<b>Evidence:</b> {escape(evidence)}", sanitize=False)
+        if as_well:
+            told = f"These shots would say as much for {in_plain(as_well)}: fire those that tell."
+            ui.html(f"<b>But:</b> {escape(told)}", sanitize=False).props("data-testid=as-well")
+
+
+SURELY = 4.0
+"""Standard errors of a size, from which on it is none by chance: 41 effects are tried."""
+
+
+def is_sure(value: Json) -> bool:
+    """Say whether an effect's size is surely not none."""
+    return _errors_away(value) >= SURELY
+
+
+def _errors_away(value: Json) -> float:
+    sigma = value.get("sigma")
+    return abs(value["value"]) / sigma if sigma and value["value"] is not None else 0.0
 
 
 def _gone(after: Json, shown: Shown | None) -> str:

@@ -24,8 +24,11 @@ from rigctl.page.model.story.answers import (
     counts_here,
     error_bars,
     fell,
+    is_sure,
     law,
     learnt,
+    place_learnt,
+    size_of,
     worst_of,
 )
 from rigctl.page.model.story.cards import card_of, in_plain
@@ -351,8 +354,10 @@ class Story:
                 ui.label(came_back(back, same=self._state.is_of_the_same_shots)).classes(
                     "note"
                 ).props("data-testid=came-back")
-            if after["prediction_error"] < WORTH * before["prediction_error"]:
-                _learnt(card.title, *learnt(effect, before, after, shown))
+            lowers = after["prediction_error"] < WORTH * before["prediction_error"]
+            if lowers or is_sure(size_of(effect, after)):
+                mechanism, evidence = learnt(effect, before, after, shown)
+                place_learnt(card.title, mechanism, evidence, self._as_well(found))
         else:
             ui.label(
                 "Nothing is added yet. “Add it” in step 3 puts the effect into the model and fits "
@@ -369,18 +374,16 @@ class Story:
         looked = "" if tried is None else "Grey: the effect that is looked at in step 3, if added."
         ui.label(f"{floor}{looked}").classes("note")
 
+    def _as_well(self, found: Json) -> str:
+        """Return the effect that would have done as well as the one that was added; empty: none."""
+        standing = self._state.standing
+        pair = () if standing is None or standing.word is not Word.ALIKE else standing.tell or ()
+        return next((name for name in pair if name not in found["with"]), "")
+
     def _add(self, name: str) -> None:
         self._goes_to = 4
         self._take((*self._state.effects, name))
         ui.run_javascript(to_step(4))
-
-
-def _learnt(title: str, mechanism: str, evidence: str) -> None:
-    """Place what somebody who found an effect can tell of it."""
-    with ui.element("div").classes("verdict good").props("data-testid=learnt"):
-        ui.html(f"What you can say of “{escape(title)}”", sanitize=False, tag="h4")
-        ui.html(f"<b>Mechanism:</b> {escape(mechanism)}", sanitize=False)
-        ui.html(f"<b>Evidence:</b> {escape(evidence)}", sanitize=False)
 
 
 def _lede(text: str, testid: str) -> None:
