@@ -316,9 +316,10 @@ class ShotFilm:
             ui.label("Film of shot").classes("note")
             self._choice = Choice("film of shot", named, self._wanted, self.choose, testids)
             self._named = frozenset(named)
-            other = ui.number(value=None if self._wanted in named else self._wanted, format="%d")
+            own = None if self._wanted in named else self._wanted
+            other = ui.number(value=own, format="%d", min=1, step=1)
             other.props('outlined dense placeholder="another" data-testid=film-other')
-            other.props('aria-label="film of the shot with this number" step=1 min=1')
+            other.props('aria-label="film of the shot with this number"')
             other.style("width: 96px")
             other.on("change", lambda: self._of_number(other.value))
             self._other = other
