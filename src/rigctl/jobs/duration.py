@@ -20,8 +20,6 @@ TYPICAL_S = {
 """Of kinds that no job has ended of since the start: of a hundred shots on a small computer, s."""
 LATEST = 5
 """So many jobs of the kind say how long one takes."""
-WRONG_BY = 2.0
-"""An estimate is given up when the job has taken so many times as long."""
 FIRM_SHARE = 0.5
 """From this share done on, what is done says more of the rest than other jobs do."""
 
@@ -61,7 +59,7 @@ def wait_of(job: Job, others: Iterable[Job], now: datetime) -> Wait:
     usual = _usual_s(job.kind, others)
     if job.share is not None and job.share >= FIRM_SHARE:
         usual = ran / job.share
-    if usual is None or ran > WRONG_BY * usual:
+    if usual is None or ran > usual:
         return Wait(gone, None, is_late=usual is not None)
     return Wait(gone, max(1.0, usual - ran))
 

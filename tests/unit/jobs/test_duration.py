@@ -62,6 +62,8 @@ def test_what_is_done_counts_more_than_other_jobs_from_the_half_on() -> None:
     assert wait_of(job(share=0.25), [done(10)], at(6)).left_s == pytest.approx(4)
 
 
-def test_an_estimate_that_was_wrong_by_twice_is_given_up() -> None:
-    assert wait_of(job(), [done(10)], at(19.9)).left_s == 1
-    assert wait_of(job(), [done(10)], at(20.1)).left_s is None
+def test_an_estimate_is_given_up_once_it_is_over_and_never_stands_at_its_end() -> None:
+    told = [wait_of(job(), [done(10)], at(0.5 * k)) for k in range(1, 60)]
+    assert [wait.left_s for wait in told if wait.left_s is not None][-1] == 1
+    assert sum(wait.left_s == 1 for wait in told) == 3
+    assert all(wait.is_late for wait in told[20:])

@@ -11,7 +11,7 @@ from typing import Any
 from nicegui import run, ui
 
 from rigctl.errors import RigError
-from rigctl.jobs.duration import WRONG_BY, Wait
+from rigctl.jobs.duration import Wait
 from rigctl.page.desk import Desk
 from rigctl.page.parts.presence import every
 from rigctl.page.parts.quantities import COEFFICIENTS, VALUE
@@ -75,7 +75,7 @@ class Analysing:
         cancels = self._cancels or (awaited is not None and awaited.is_cancelled)
         self._all.set_visibility(gone > UNSAID_S)
         if compiling is None:
-            left = max(1.0, USUAL_S - gone) if gone < WRONG_BY * USUAL_S else None
+            left = max(1.0, USUAL_S - gone) if gone < USUAL_S else None
             self._said.set_text(CANCELS if cancels else MEASURES)
             self._left.set_text(said_of(Wait(gone, left, is_late=left is None)))
         else:
