@@ -74,7 +74,7 @@ class LocalRig:
             return None
         left = now.left_s(time.monotonic())
         words = "" if left is None else f", about {max(1, round(left / 60))} min left"
-        return f"{now.words}, {100 * now.share:.0f} %{words}"
+        return f"compiling for this computer, once: {now.words}, {100 * now.share:.0f} %{words}"
 
     def result(self, shot: str) -> Mapping[str, Any]:
         """Return the measurement of one shot."""
