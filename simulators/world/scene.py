@@ -69,6 +69,8 @@ _MAGNET_LIMITS = {
     "spin_scatter_rad_per_s": (0.0, 1000.0),
 }
 _AIR_LIMITS = {"drag_coefficient": (0.0, 2.0)}
+DRAG_SCATTER = 0.02
+"""Of the drag coefficients of smooth spheres about 0.40 at Reynolds numbers of 1500 to 5000."""
 
 
 def described(
@@ -94,7 +96,8 @@ def described(
         the drop apparatus), and `drag_coefficient`, where they differ from nylon's.
     rng
         Of the true diameters, where their standard errors are stated: both are measured with one
-        tool, and off by as many errors. None: they are as stated.
+        tool, and off by as many errors. Of the drag coefficient, where `air` does not give it.
+        None: diameters are as stated, and the drag coefficient is 0.40.
 
     Raises
     ------
@@ -105,6 +108,7 @@ def described(
     nylon = WorldDescription()
     apparatus = scene.get("apparatus", "pusher")
     off = 0.0 if rng is None else float(rng.normal())
+    slowed = 0.0 if rng is None else DRAG_SCATTER * float(rng.normal())
     bodies = [_as_it_is(body, off) for body in scene.get("spheres", ({}, {}))]
     a, b = _bodies(apparatus, bodies)
     surroundings = scene.get("environment", {})
@@ -112,6 +116,7 @@ def described(
         nylon.environment,
         gravity_m_per_s2=surroundings.get("gravity_m_per_s2", 9.80665),
         air_density_kg_per_m3=surroundings.get("air_density_kg_per_m3", 1.2),
+        drag_coefficient=nylon.environment.drag_coefficient + slowed,
     )
     return WorldDescription(
         sphere_a=a,

@@ -93,14 +93,15 @@ def test_what_the_world_cannot_be_is_refused_by_name(
         open_laboratory(tmp_path, options)
 
 
-def test_true_diameters_are_off_by_the_stated_error_of_the_tool_alike_for_both_spheres() -> None:
+def test_true_diameters_and_the_drag_are_off_by_their_stated_errors() -> None:
     stated = HALF_INCH | {"diameter_sigma_m": 1e-5}
     scene = {"spheres": [stated, stated]}
     off = []
     for seed in range(400):
         world = described(scene, rng=np.random.default_rng(seed))
         assert world.sphere_a.diameter_m == world.sphere_b.diameter_m
-        off.append((world.sphere_a.diameter_m - 0.0127) / 1e-5)
-    assert np.mean(off) == pytest.approx(0.0, abs=4 / np.sqrt(400))
-    assert np.std(off) == pytest.approx(1.0, abs=4 / np.sqrt(800))
+        drag = world.environment.drag_coefficient
+        off.append(((world.sphere_a.diameter_m - 0.0127) / 1e-5, (drag - 0.40) / 0.02))
+    assert np.mean(off, axis=0) == pytest.approx(0.0, abs=4 / np.sqrt(400))
+    assert np.std(off, axis=0) == pytest.approx(1.0, abs=4 / np.sqrt(800))
     assert described(scene).sphere_a.diameter_m == 0.0127
