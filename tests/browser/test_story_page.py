@@ -28,15 +28,20 @@ REDRAWN_MS = 2_000
 """Within which the page changes something, if only to say that it is alive."""
 SHOTS = 60
 """Of the challenge."""
-FIRST_DOT = """(part) => {
+LONE_DOT = """(part) => {
   const plot = part.querySelector(".js-plotly-plot") || part;
   const dots = plot._fullData[0];
   const { xaxis, yaxis, margin } = { ...plot._fullLayout, margin: plot._fullLayout._size };
   const frame = plot.getBoundingClientRect();
-  return [dots.customdata[0], [
-    frame.left + margin.l + xaxis.d2p(dots.x[0]), frame.top + margin.t + yaxis.d2p(dots.y[0]),
-  ]];
+  const places = dots.x.map((x, k) => [xaxis.d2p(x), yaxis.d2p(dots.y[k])]);
+  const room = places.map(([x, y], k) => Math.min(
+    ...places.map(([a, b], other) => (other === k ? Infinity : Math.hypot(a - x, b - y))),
+  ));
+  const alone = room.indexOf(Math.max(...room));
+  const [x, y] = places[alone];
+  return [dots.customdata[alone], [frame.left + margin.l + x, frame.top + margin.t + y]];
 }"""
+"""Of the dots the one that is farthest from all others: a click means no other."""
 
 
 def test_a_hidden_effect_is_moved_added_and_kept_by_a_reload(page: Page, served: Served) -> None:
@@ -173,7 +178,7 @@ def a_point_moves_the_film(page: Page) -> None:
     expect(where).not_to_have_text(told)
     dots = page.get_by_test_id("story-points")
     dots.scroll_into_view_if_needed()
-    shot, at = dots.evaluate(FIRST_DOT)
+    shot, at = dots.evaluate(LONE_DOT)
     page.mouse.click(*at)
     expect(film).to_have_attribute("aria-label", re.compile(rf"^Film of shot {shot} "))
     number = page.get_by_test_id("film-other")

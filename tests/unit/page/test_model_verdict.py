@@ -103,3 +103,11 @@ def test_stated_numbers_are_in_doubt_only_once_nothing_else_is_missing() -> None
         )
     said = {word: doubted(2, word) for word in Word}
     assert {word for word in said if "in doubt" in said[word]} == {Word.FLOOR, Word.ALIKE}
+
+
+def test_what_is_named_first_is_called_surest_only_where_it_is() -> None:
+    one = found(row=1e-9, cell=1e-9)
+    other = {**one["findings"][0], "covariate": "ln v_n"}
+    assert "it shows most surely in" in sentence([one])[1]
+    said = sentence([one], first=lambda _found, _standing: [other, *one["findings"]])[1]
+    assert "it shows in" in said

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from rigctl.page.model.story.where import Cells, Grid
+from analysis.model.verdict.standing import Standing, Word
+from rigctl.page.model.story.where import Cells, Grid, cause_first
 
 
 def cell(channel: str, deviation: float) -> dict[str, Any]:
@@ -14,6 +15,19 @@ def cell(channel: str, deviation: float) -> dict[str, Any]:
 def test_the_most_striking_cell_is_looked_at_first() -> None:
     first = cell("relative velocity n", 9.0)
     assert Cells([first, cell("image y", 5.0)]).chosen == first
+
+
+def test_what_happens_at_the_bounce_is_named_there_and_not_in_the_flights_that_it_bends() -> None:
+    flight = {"channel": "relative position n", "covariate": "time", "p_familywise": 1e-9}
+    bounce = {"channel": "normal velocity", "covariate": "ln v_n", "p_familywise": 1e-9}
+    found: dict[str, Any] = {"findings": [flight, bounce], "own": []}
+    missing = Standing(Word.MISSING, ("restitution-plastic",))
+    assert cause_first(found, missing) == [bounce, flight]
+    # What acts in the air is named there, and what no effect explains where it is surest.
+    assert cause_first(found, Standing(Word.MISSING, ("drag",))) == [flight, bounce]
+    assert cause_first(found, Standing(Word.UNEXPLAINED)) == [flight, bounce]
+    found["findings"][1] = bounce | {"p_familywise": 0.3}
+    assert cause_first(found, missing)[0] == flight
 
 
 def test_a_hint_shows_the_first_cell_of_its_place_and_its_map() -> None:

@@ -23,6 +23,7 @@ from rigctl.page.model.steps import Steps
 from rigctl.page.model.story.cards import in_plain, slider_script
 from rigctl.page.model.story.ghost import ghost_script
 from rigctl.page.model.story.view import Story
+from rigctl.page.model.story.where import cause_first
 from rigctl.page.model.story.words import (
     alarms_in_plain,
     cells_in_plain,
@@ -229,6 +230,7 @@ def in_story_of(state: ModelState) -> Wording:
         law=in_story,
         finding=in_words,
         alarms=alarms_in_plain,
+        first=cause_first,
     )
 
 

@@ -42,11 +42,18 @@ def without_numbers(found: VerdictReport) -> str:
     return unnamed(found, errors=False)
 
 
+def by_surety(found: Json, _standing: Standing) -> Sequence[Json]:
+    """Return the findings of a fit as it has them, the surest first."""
+    findings: list[Json] = found["findings"]
+    return findings
+
+
 @dataclass(frozen=True, slots=True)
 class Wording:
     """How a view says things: sentences of a verdict, those of a proposed law, and findings.
 
-    `found` says with what the whole way ended, `alarms` which stated numbers the fit pulls away.
+    `found` says with what the whole way ended, `alarms` which stated numbers the fit pulls away;
+    `first` puts the findings of a fit in the order in which they are named.
     """
 
     verdict: Callable[[str], str] = str
@@ -54,6 +61,7 @@ class Wording:
     law: Callable[[str], str] = on_page
     finding: Callable[[Json], str] = named
     alarms: Callable[[Sequence[Nuisance]], list[str]] = alarm_sentences
+    first: Callable[[Json, Standing], Sequence[Json]] = by_surety
 
 
 class Verdict:
@@ -71,7 +79,7 @@ class Verdict:
     ) -> None:
         self._state, self._take, self._worded = state, take, wording.verdict
         self._found_words = wording.found
-        self._finding, self._alarmed = wording.finding, wording.alarms
+        self._finding, self._alarmed, self._first = wording.finding, wording.alarms, wording.first
         jobs = state.source.daemon.jobs
         self._asked = Question(
             lambda: state.source.ask("explain"), jobs.job, state.source.without_its_folder
@@ -104,7 +112,11 @@ class Verdict:
             lead = "Model and measurement were not compared."
         if present is not None:
             lead, rest, good = sentence(
-                self._state.path(), self._state.concluded, self._finding, self._state.trials()
+                self._state.path(),
+                self._state.concluded,
+                self._finding,
+                self._state.trials(),
+                self._first,
             )
         look, mark = MARKS[good] if present is not None else ("waits", "…")
         with ui.element("div").classes(f"verdict {look}").props("data-testid=verdict role=status"):
@@ -179,6 +191,7 @@ def sentence(
     concluded: VerdictReport | None = None,
     finding: Callable[[Json], str] = named,
     tried: Mapping[str, float] | None = None,
+    first: Callable[[Json, Standing], Sequence[Json]] = by_surety,
 ) -> tuple[str, str, bool | None]:
     """Say how the last fit of a path stands: the point, what goes with it, whether all is well.
 
@@ -187,7 +200,9 @@ def sentence(
     found, standing = path[-1], standing_of(path, concluded, tried)
     error = Unseen.of(found).sentence()
     added = " and ".join(found["with"])
-    where = f"most surely in {_worst(failing_rows(found), found['findings'], finding)}"
+    named_first = first(found, standing)
+    surely = "most surely " if named_first[0] is found["findings"][0] else ""
+    where = f"{surely}in {_worst(failing_rows(found), named_first, finding)}"
     match standing.word:
         case Word.FEW:
             return "Too few shots to tell.", f"{error}; {too_few(found['shots'])}", None
@@ -232,7 +247,7 @@ def _of_single_shots(where: str) -> str:
     )
 
 
-def _worst(fails: list[Json], found: list[Json], finding: Callable[[Json], str]) -> str:
+def _worst(fails: list[Json], found: Sequence[Json], finding: Callable[[Json], str]) -> str:
     """Name what stands out most: the first finding if it does, else the quantity that disagrees."""
     worst = found[0]
     if worst["p_familywise"] >= SURE and fails:

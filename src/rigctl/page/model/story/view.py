@@ -38,7 +38,7 @@ from rigctl.page.model.story.lead import lead_card
 from rigctl.page.model.story.others import others
 from rigctl.page.model.story.plots import staircase
 from rigctl.page.model.story.preview import plainest
-from rigctl.page.model.story.where import PLACES, WhereItFails
+from rigctl.page.model.story.where import PLACES, WhereItFails, cause_first
 from rigctl.page.model.story.words import (
     compared,
     failing,
@@ -161,7 +161,7 @@ class Story:
         stages = self._stages
         found, standing = stages[-1], self._stands(stages)
         self._film.take(found["paths"], tuple(found["with"]))
-        self._where.take(found["findings"], standing)
+        self._where.take(cause_first(found, standing), standing)
 
     def _stands(self, stages: Sequence[Json]) -> Standing:
         """Return how the last of some stages stands; what came later says nothing of the others."""
@@ -275,7 +275,7 @@ class Story:
         first, last = Unseen.of(path[0]), Unseen.of(path[-1])
         results = (
             ("Compare", worst_of(found, worst)),
-            ("Where it fails", fails_where(found["findings"]) if fails else "nowhere"),
+            ("Where it fails", fails_where(cause_first(found, standing)) if fails else "nowhere"),
             ("What is missing", in_plain(missing_words(standing))),
             ("Add it", f"{first.said()} → {last.said()}" if len(path) > 1 else "not yet"),
         )

@@ -11,7 +11,9 @@ from nicegui import events, ui
 from analysis.model.structure.findings import ALWAYS
 from analysis.model.verdict.standing import SURE, Standing
 from rigctl.documents import Json
+from rigctl.page.model.effect_words import described
 from rigctl.page.model.story.bars import Bar, bars
+from rigctl.page.model.story.cards import card_of
 from rigctl.page.model.story.plots import cell_plot
 from rigctl.page.model.story.points import points_of
 from rigctl.page.model.story.words import asks, channel, goes_with, heading, where
@@ -149,6 +151,21 @@ ASKED = (
 CELLS = 6
 PLACES = {"at the bounce": "contact", "in the air": "flight", "in the camera": "camera"}
 """Parts of the way in which cells are disturbed, by the words of the effects that act there."""
+
+
+def cause_first(found: Json, standing: Standing | None) -> list[Json]:
+    """Return the findings of a fit, those first that lie where the missing effect acts.
+
+    What a contact lacks bends the flights after it, often more surely than the contact itself shows
+    it: named first is where it happens, if it shows there at all.
+    """
+    findings: list[Json] = list(found["findings"])
+    missing = standing.missing if standing is not None else ()
+    card = card_of(described(found)[missing[0]]) if missing else None
+    place = "" if card is None else PLACES.get(card.where, "")
+    if not any(block_of(cell) == place and _is_sure(cell) for cell in findings):
+        return findings
+    return sorted(findings, key=lambda cell: block_of(cell) != place)
 
 
 class Cells:
