@@ -20,6 +20,7 @@ def test_the_most_striking_cell_is_looked_at_first() -> None:
 def test_what_happens_at_the_bounce_is_named_there_and_not_in_the_flights_that_it_bends() -> None:
     flight = {"channel": "relative position n", "covariate": "time", "p_familywise": 1e-9}
     bounce = {"channel": "normal velocity", "covariate": "ln v_n", "p_familywise": 1e-9}
+    flight, bounce = flight | {"deviation": 52.0}, bounce | {"deviation": 18.0}
     found: dict[str, Any] = {"findings": [flight, bounce], "own": []}
     missing = Standing(Word.MISSING, ("restitution-plastic",))
     assert cause_first(found, missing) == [bounce, flight]
@@ -28,6 +29,20 @@ def test_what_happens_at_the_bounce_is_named_there_and_not_in_the_flights_that_i
     assert cause_first(found, Standing(Word.UNEXPLAINED)) == [flight, bounce]
     found["findings"][1] = bounce | {"p_familywise": 0.3}
     assert cause_first(found, missing)[0] == flight
+
+
+def test_how_it_hit_is_named_before_the_setting_that_brings_it_about_and_before_a_mean() -> None:
+    def seen(covariate: str, deviation: float) -> dict[str, Any]:
+        said = {"channel": "normal velocity", "covariate": covariate, "p_familywise": 1e-9}
+        return {**said, "deviation": deviation}
+
+    missing = Standing(Word.MISSING, ("restitution-plastic",))
+    for other, told in (("always", 24.0), ("pressure_a_kpa", 24.0), ("order", None)):
+        cells = [seen(other, 44.0), seen("contact X", 30.0), seen("ln v_n", 24.0)]
+        first = cause_first({"findings": cells, "own": []}, missing)[0]
+        assert first["deviation"] == (told or 44.0)
+    weak = [seen("always", 44.0), seen("ln v_n", 9.0)]
+    assert cause_first({"findings": weak, "own": []}, missing) == weak
 
 
 def test_a_hint_shows_the_first_cell_of_its_place_and_its_map() -> None:

@@ -163,9 +163,32 @@ def cause_first(found: Json, standing: Standing | None) -> list[Json]:
     missing = standing.missing if standing is not None else ()
     card = card_of(described(found)[missing[0]]) if missing else None
     place = "" if card is None else PLACES.get(card.where, "")
-    if not any(block_of(cell) == place and _is_sure(cell) for cell in findings):
+    here = [cell for cell in findings if block_of(cell) == place and _is_sure(cell)]
+    if not here:
         return findings
-    return sorted(findings, key=lambda cell: block_of(cell) != place)
+    first = _tells_most(here)
+    return sorted(findings, key=lambda cell: (cell is not first, block_of(cell) != place))
+
+
+SETTINGS = ("pressure_a_kpa", "pressure_b_kpa", "offset_mm", "delay_us")
+"""They bring about how it hits, which is named in their place where it says half as much."""
+HALF = 0.5
+
+
+def _tells_most(cells: Sequence[Json]) -> Json:
+    """Return the sure cell that says most: no mean and no setting where a hit says it."""
+    best = cells[0]
+    if best["covariate"] not in {ALWAYS, *SETTINGS}:
+        return best
+    least = HALF * best["deviation"]
+    courses = [
+        cell
+        for cell in cells
+        if cell["channel"] == best["channel"]
+        and cell["covariate"] in GROUPS[1][1]
+        and cell["deviation"] >= least
+    ]
+    return max(courses, key=lambda cell: cell["deviation"], default=best)
 
 
 class Cells:
