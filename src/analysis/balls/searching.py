@@ -33,7 +33,7 @@ from analysis.balls.seen.looks import (
 from analysis.balls.seen.sightings import Sight
 from analysis.balls.seen.surroundings import Surroundings
 from analysis.balls.seen.turning import turning_ball
-from analysis.errors import ShotRefusedError
+from analysis.errors import ShotRefusedError, counted
 
 MOST_FAMILIES = 4
 SURE_SHARE = 0.1
@@ -102,7 +102,7 @@ def search(film: Film, times_s: Floats, ball: Ball) -> Search:
     """
     if film.head.frames < LEAST_FRAMES:
         raise ShotRefusedError(
-            "frames", f"{film.head.frames} frames; {LEAST_FRAMES} are needed at least"
+            "frames", f"{counted(film.head.frames, 'frame')}; {LEAST_FRAMES} are needed at least"
         )
     head = film.head
     read = film.chosen(spread_frames(head.frames, head.height * head.width * head.channels))

@@ -36,6 +36,8 @@ def open_film(path: Path) -> Film:
     if not path.exists():
         raise InputError(path, "no such file or folder")
     suffix = path.suffix.lower()
+    if path.is_file() and path.stat().st_size == 0:
+        raise InputError(path, "is an empty file")
     try:
         if path.is_dir():
             return PictureFolder(path)

@@ -30,6 +30,9 @@ SOFT = 2.0
 OUTLIER = 4.5
 LEVEL = np.array([path.TILT, path.ROLL])
 """Their sum is the plate's slope against the horizontal: a camera that is rolled turns both."""
+MUCH_LEFT, FARTHEST = 2.0, 20.0
+"""Errors of places by which they may lie off flights before these are sought afresh, and from which
+on a place counts no more than one that lies so far."""
 LEAST_INFORMATION = 1e-20
 """Of a number that no place that counts depends on."""
 MOST_OPEN = 2.0
@@ -63,9 +66,14 @@ def fit_flights(
     while len(start.times_s):
         problem = Problem(observed, start, known)
         again = before is not None and before.bounces == problem.bounces
+        first = problem.begin
         if before is not None and again:
             problem.begin = problem.logarithmic(before.values)
         fitted = None if start.fall is not None else _settle(problem, again=again)
+        if fitted is not None and again and _left(fitted) > MUCH_LEFT:
+            # What the places of an earlier pass had it believe may hold it far from the best.
+            problem.begin = first
+            fitted = min(fitted, _settle(problem, again=False), key=_left)
         if fitted is None or fitted.contradiction:
             problem.prior_sigma[path.FALL] = 10.0
             fitted = replace(_settle(problem, again=fitted is None and again), contradiction=True)
@@ -76,6 +84,15 @@ def fit_flights(
         observed = observed.of(np.isin(fitted.arcs, kept))
         start = start.of(slice(kept[0], kept[-1]) if kept else slice(0, 0))
     return None
+
+
+def _left(fitted: Flights) -> float:
+    """Return the root mean square distance of places from flights, in errors; far ones count less.
+
+    Of all places: a wrong fit may leave out more of them.
+    """
+    apart = np.abs(fitted.residuals / fitted.observed.sigmas)
+    return float(np.sqrt((np.minimum(apart, FARTHEST) ** 2).mean()))
 
 
 def _settle(problem: Problem, *, again: bool) -> Flights:
