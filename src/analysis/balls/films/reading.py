@@ -22,6 +22,8 @@ from analysis.imaging.files.tiff_file import read_tiff
 VIDEO_SUFFIXES = (".avi", ".mkv", ".mp4", ".mov", ".m4v", ".webm")
 CINE_SUFFIX = ".cine"
 PHOTRON_SUFFIXES = (FRAMES_SUFFIX, *HEADER_SUFFIXES)
+READ_SUFFIXES = (*TIFF_SUFFIXES, ".npy", PNG_SUFFIX, *VIDEO_SUFFIXES, CINE_SUFFIX)
+"""Of files that hold all of a film: an empty one is none."""
 FILM_SUFFIXES = (*TIFF_SUFFIXES, ".npy", *VIDEO_SUFFIXES, CINE_SUFFIX, *PHOTRON_SUFFIXES)
 
 
@@ -36,7 +38,7 @@ def open_film(path: Path) -> Film:
     if not path.exists():
         raise InputError(path, "no such file or folder")
     suffix = path.suffix.lower()
-    if path.is_file() and path.stat().st_size == 0:
+    if path.is_file() and path.stat().st_size == 0 and suffix in READ_SUFFIXES:
         raise InputError(path, "is an empty file")
     try:
         if path.is_dir():

@@ -30,6 +30,8 @@ SOFT = 2.0
 OUTLIER = 4.5
 LEVEL = np.array([path.TILT, path.ROLL])
 """Their sum is the plate's slope against the horizontal: a camera that is rolled turns both."""
+ENDLESS = 3e-3
+"""Squared side of the picture over the focal length: a lens of eighteen sides."""
 MUCH_LEFT, FARTHEST = 2.0, 20.0
 """Errors of places by which they may lie off flights before these are sought afresh, and from which
 on a place counts no more than one that lies so far."""
@@ -70,8 +72,7 @@ def fit_flights(
         if before is not None and again:
             problem.begin = problem.logarithmic(before.values)
         fitted = None if start.fall is not None else _settle(problem, again=again)
-        if fitted is not None and again and _left(fitted) > MUCH_LEFT:
-            # What the places of an earlier pass had it believe may hold it far from the best.
+        if fitted is not None and again and _ran_off(fitted):
             problem.begin = first
             fitted = min(fitted, _settle(problem, again=False), key=_left)
         if fitted is None or fitted.contradiction:
@@ -84,6 +85,15 @@ def fit_flights(
         observed = observed.of(np.isin(fitted.arcs, kept))
         start = start.of(slice(kept[0], kept[-1]) if kept else slice(0, 0))
     return None
+
+
+def _ran_off(fitted: Flights) -> bool:
+    """Return whether a fit has ended at a lens without end, far from the places.
+
+    What crude places of an earlier pass had it believe holds it there. Where times are wrong places
+    lie off as far, with lenses that there are: what then fits better is believed in vain.
+    """
+    return bool(fitted.values[path.ASLANT] < ENDLESS) and _left(fitted) > MUCH_LEFT
 
 
 def _left(fitted: Flights) -> float:

@@ -169,3 +169,10 @@ def test_a_file_of_another_kind_is_refused_by_what_is_read(tmp_path: Path) -> No
     (tmp_path / "film.xyz").write_bytes(b"")
     with pytest.raises(InputError, match=r"\.cine"):
         open_film(tmp_path / "film.xyz")
+
+
+@pytest.mark.parametrize("name", ["film.avi", "film.tif", "film.npy", "film.cine"])
+def test_an_empty_file_is_called_empty(name: str, tmp_path: Path) -> None:
+    (tmp_path / name).touch()
+    with pytest.raises(InputError, match=f"{name}: is an empty file"):
+        open_film(tmp_path / name)
