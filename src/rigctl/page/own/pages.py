@@ -54,6 +54,8 @@ class ScaleForm:
         self._look = look
         self.ready = False
         ui.html("2 Scale and part", sanitize=False, tag="h3").classes("card-heading")
+        # Mass and rate stand below the words on the marks, and follow when they are there.
+        self._fields: list[OptionalNumber] = []
         self._diameter = _number(
             "Diameter of the ball, mm", "ball-diameter-mm", "the scale", DIAMETERS
         )
@@ -62,6 +64,7 @@ class ScaleForm:
             "Its mass, g (if known)", "ball-mass-g", "then the air's drag is known", MASSES
         )
         self._rate = _number("Frames a second, if not the file's", "fps", "of the camera", RATES)
+        self._fields = [self._diameter, self._mass, self._rate]
         ui.label("All speeds follow from the frame rate; the fall of the ball checks it.").classes(
             "note"
         )
@@ -95,7 +98,7 @@ class ScaleForm:
         by_line = diameter_by_line(marks, self._length_mm)
         known = self._diameter.value
         lacks_rate = self._look.unrated and not self._rate_hz
-        valid = all(field.valid for field in (self._diameter, self._mass, self._rate))
+        valid = all(field.valid for field in self._fields)
         self.ready = bool(known or by_line) and not lacks_rate and valid
         ui.label(scale_words(marks, known, by_line)).classes("note").props(
             "data-testid=scale-words role=status"
