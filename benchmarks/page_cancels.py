@@ -6,6 +6,7 @@ host whose machine code is compiled, and on one where it is not. Of a campaign: 
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 import tempfile
 from collections.abc import Iterator
@@ -15,6 +16,7 @@ from urllib.parse import quote
 
 from playwright.sync_api import Browser
 
+import rigctl
 from benchmarks.page_served import LONG_S, RIGCTL, Served, opened, served
 from benchmarks.page_waits import CANCELLED, Waited, cancelled
 
@@ -38,8 +40,11 @@ def cancels(browser: Browser, daemon: Served, large: Path) -> Iterator[tuple[str
         with served(folder) as other:
             yield _of_a_report(browser, other, large.name)
     with tempfile.TemporaryDirectory() as name:
-        cold = {"NUMBA_CACHE_DIR": str(Path(name) / "machine-code")}
-        with served(Path(name), cold) as other:
+        # Machine code lies beside its source: a copy of the source has none.
+        package = Path(rigctl.__file__).parents[1]
+        without = shutil.ignore_patterns("__pycache__")
+        shutil.copytree(package, Path(name) / "source", ignore=without)
+        with served(Path(name), {"PYTHONPATH": str(Path(name) / "source")}) as other:
             yield _of_a_shot(browser, other)
 
 
