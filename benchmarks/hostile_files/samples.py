@@ -257,6 +257,7 @@ def _lesson() -> bytes:
         scale_sigma=0.01,
         limb_px=0.5,
         films=6,
+        pattern_sigma_rad=2e-4,
         slow_px=0.002,
         shared_px=0.002,
         smear_px2=np.zeros(2),

@@ -44,6 +44,10 @@ Side = tuple[int, int]
 
 NO_DRIFT = Drift(0.0, 1.0)
 LEAST_FRAMES = 6
+PATTERN_SHARE = 0.7
+"""Of the error of a marker's place, in the slow error of one view, which shows three or four at a
+time. It lasts while a sphere turns by a radian, longer than what is seen of it beside a free flight
+(docs/decisions/0061-patterns-seen-in-one-view.md)."""
 STEADY = 1e-9
 """Of the largest direction of what was fitted, below which a direction is none of it."""
 
@@ -52,10 +56,14 @@ def sized(films: Sequence[Film], known: Appearance) -> Appearance:
     """Return an appearance with the slow error that films measured with it show."""
     seen = [own for film in films if (own := _film_evidence(film, known)) is not None]
     coarse = (1.0 + known.coarseness) / 2
+    by_pattern = 0.0
+    if len(known.camera.views) == 1:
+        radius_px = float(known.camera.optics.scales[0]) * known.spheres[0].radius_m
+        by_pattern = PATTERN_SHARE * known.pattern_sigma_rad * radius_px
     return replace(
         known,
         films=len(films),
-        slow_px=slow_size_px(seen, coarse * PRIOR_SLOW_PX),
+        slow_px=float(np.hypot(slow_size_px(seen, coarse * PRIOR_SLOW_PX), by_pattern)),
         shared_px=coarse * shared_size_px(len(films)),
     )
 

@@ -37,6 +37,9 @@ Taught = tuple[Grey, Floats, Setup]
 
 NO_DRIFT = Drift(0.0, 1.0)
 LEAST_ON_A_SIDE = 4
+MOST_PATTERN_SIGMA = 3e-3
+"""Of a marker, rad, beyond which films show parts of a pattern that hardly hang together: 0.1 to
+0.4 mrad otherwise, 1.6 of small spheres in one film. Each shot is better measured by itself."""
 MOST_TURN_CHI2 = 6.0
 """Per degree of freedom, about one spin: true turns have 0.6 to 2.3, wrong ones 12 and more."""
 
@@ -74,6 +77,7 @@ def teach(shots: Sequence[Taught]) -> Appearance | None:
             films.append(film)
     if known is None:
         return None
+    alone = known
     known = _together(films, known, hold_scale=hold)
     late = [film for shot in waiting if (film := _followed(shot, known)) is not None]
     if late:
@@ -81,6 +85,8 @@ def teach(shots: Sequence[Taught]) -> Appearance | None:
         known = _together(films, known, hold_scale=hold)
     if len(films) > 1:
         known = sharper(films, known, hold_scale=hold)
+    if known.pattern_sigma_rad > MOST_PATTERN_SIGMA:
+        known, films = alone, films[:1]
     for film in films:
         settle_film(film, known, LAST_LIMIT)
         drop_misfits(film, known, LAST_LIMIT)

@@ -30,6 +30,7 @@ def lesson(darkness: float) -> Appearance:
         "camera_sigma": (0.0, 0.0),
         "limb_px": 0.0,
         "films": 6,
+        "pattern_sigma_rad": 2e-4,
         "slow_px": 0.0,
         "shared_px": 0.0,
         "smear_px2": np.zeros(2),

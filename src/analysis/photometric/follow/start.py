@@ -167,6 +167,7 @@ def first_film(
         scale_sigma=tracking.scale_sigma,
         camera_sigma=(math.inf,) * (len(views) + BENDS),
         limb_px=0.0,
+        pattern_sigma_rad=math.inf,
         films=1,
         slow_px=PRIOR_SLOW_PX,
         shared_px=LONE_SHARED_PX,

@@ -78,6 +78,9 @@ class Appearance:
     limb_px
         Radius by the outline less radius by the markers: light at the limb beyond the shading
         model. It shifts an outline by as much. 0 where markers do not determine the radius.
+    pattern_sigma_rad
+        Standard error of a marker's direction by the noise of the films that taught: the median of
+        each sphere's, the larger one. Infinite where nothing has been learned.
     films
         How many films taught all of this together.
     slow_px
@@ -95,6 +98,7 @@ class Appearance:
     scale_sigma: float
     camera_sigma: tuple[float, ...]
     limb_px: float
+    pattern_sigma_rad: float
     films: int
     slow_px: float
     shared_px: float

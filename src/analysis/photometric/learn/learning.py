@@ -304,6 +304,7 @@ def with_shared(
         scale_sigma=scale_sigma if move_radius and not hold_scale else known.scale_sigma,
         camera_sigma=tuple(map(float, sigma)),
         limb_px=apart_px if move_radius else known.limb_px,
+        pattern_sigma_rad=max(step.marker_sigma for step in steps),
     )
 
 

@@ -111,6 +111,8 @@ class Shared:
     ----------
     markers
         Turns about the two tangents of each marker, radians, shape (markers, 2).
+    marker_sigma
+        Standard error of a marker's direction across it by the noise, radians, the median.
     darkness, alpha
         Of the markers.
     camera
@@ -124,6 +126,7 @@ class Shared:
     """
 
     markers: Floats
+    marker_sigma: float
     darkness: float
     alpha: float
     camera: Floats
@@ -195,6 +198,7 @@ def solve_shared(equations: Equations, tangents: Floats, views: int, *, settled:
     camera = [on_markers, *ratios, *bends]
     return Shared(
         markers=step[: 2 * markers].reshape(markers, 2),
+        marker_sigma=float(np.sqrt(np.median(np.diag(inverse)[: 2 * markers]))),
         darkness=float(step[2 * markers]),
         alpha=float(step[2 * markers + 1]),
         camera=step[camera],

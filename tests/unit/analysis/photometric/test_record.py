@@ -38,6 +38,7 @@ def drawn(seed: int, markers: int) -> Appearance:
         scale_sigma=float(rng.uniform()),
         limb_px=float(rng.uniform()),
         films=int(rng.integers(1, 7)),
+        pattern_sigma_rad=float(rng.uniform()),
         slow_px=float(rng.uniform()),
         shared_px=float(rng.uniform()),
         smear_px2=rng.uniform(0.0, 0.5, 2),
