@@ -59,6 +59,18 @@ def test_what_needs_the_spin_is_open_and_said(tmp_path: Path) -> None:
     assert "outlines alone, spins are open" in shot.notes[0]
 
 
+def test_markers_too_few_for_a_spin_make_outlines_less_sure(tmp_path: Path) -> None:
+    sure = {}
+    for count in (0, 3):
+        a = b = replace(Sphere(), markers=count)
+        shot, truth = measured(tmp_path / str(count), a, b, 50.0)
+        if count:
+            assert "outlines alone, spins are open" in shot.notes[0]
+        sure[count] = shot.impact.v_n.sigma
+        assert abs(shot.impact.v_n.value - truth["v_n"]) < 4 * sure[count]
+    assert sure[3] > 1.5 * sure[0]
+
+
 def test_the_scale_of_unlike_spheres_comes_from_both_diameters(tmp_path: Path) -> None:
     small = replace(PLAIN, diameter_m=INCH_M / 2)
     shot, truth = measured(tmp_path / "shot", PLAIN, small, 40.0, state_scale=False)
