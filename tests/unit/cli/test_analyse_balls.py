@@ -167,9 +167,11 @@ def test_a_film_without_a_rate_asks_for_it(film: Path, capsys: pytest.CaptureFix
         ("--frames", "x", "--frames"),
         ("--roi", "1,2", "--roi"),
         ("--frames", "90:400", "100 frames"),
+        ("--figure", "bounce.xyz", "ends in .png"),
+        ("--out", __file__, "is a file"),
     ],
 )
-def test_a_cut_that_cannot_be_is_bad_input(
+def test_an_option_that_cannot_be_is_bad_input(
     option: str, value: str, words: str, film: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     arguments = ["analyse", str(film), "--ball-diameter-mm", "100", "--fps", "200"]

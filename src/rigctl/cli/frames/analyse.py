@@ -42,7 +42,7 @@ from rigctl.cli.frames.balls import (
 from rigctl.cli.frames.compile_note import announce_compiling
 from rigctl.cli.options import Json, MeasuredBy, Method, Workers
 from rigctl.cli.spool import Spool, print_document
-from rigctl.errors import AnalysisInputError
+from rigctl.errors import AnalysisInputError, SettingsError
 from rigctl.measuring.ball_films import shows_one_ball
 
 HEADINGS = (
@@ -51,6 +51,8 @@ HEADINGS = (
 )
 _CAPTION = "in brackets: standard error in units of the last digit"
 _CELL = "\t"
+PICTURES = (".png", ".jpg", ".svg", ".pdf")
+"""Kinds in which a film's picture is written."""
 OTHER_FILMS = (
     "frames without a set-up are taken for those of two marked spheres of 25.4 mm: of a ball that "
     "bounces state the diameter, --ball-diameter-mm 40; of other spheres --setup campaign.toml"
@@ -197,9 +199,12 @@ def analyse(
     AnalysisInputError
         An option belongs to the other method; a path, a set-up or a campaign file cannot be read,
         or no shot's frames can. Then the refusal of each shot is printed first.
+    SettingsError
+        Something cannot be written where it is wanted, or an option is no range.
     StoreError
         The temporary folder is full.
     """
+    _require_places(out, figures, figure)
     if ball_diameter_mm is not None or plate or all(shows_one_ball(path, setup) for path in paths):
         asked = BallRequest(
             paths=paths,
@@ -280,6 +285,22 @@ def _name_unlisted(campaign: Campaign) -> None:
         names = ", ".join(map(str, campaign.unlisted))
         note = f"rigctl: frames without a row in {SHOT_LIST}, left out: {names}"
         print(note, file=sys.stderr)  # noqa: T201
+
+
+def _require_places(out: Path | None, figures: Path | None, figure: Path | None) -> None:
+    """Refuse places that nothing can be written to, before anything is measured."""
+    for name, folder in (("--out", out), ("--figures", figures)):
+        if folder is not None and folder.exists() and not folder.is_dir():
+            raise SettingsError(
+                "is a file; a folder is written", part=name, value=str(folder), todo="name another"
+            )
+    if figure is not None and (figure.suffix.lower() not in PICTURES or figure.is_dir()):
+        raise SettingsError(
+            "is no name of a picture",
+            part="--figure",
+            value=str(figure),
+            limit=f"a file that ends in {', '.join(PICTURES)}",
+        )
 
 
 def _keep_sources(paths: Sequence[Path], out: Path | None) -> None:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -215,13 +216,29 @@ def _write(folder: Path, name: str, films: Films, shots: Sequence[Json]) -> None
             part=str(folder),
             todo="choose another folder for --out",
         )
-    write_ball_campaign(folder, name, jobs[0].ball, (jobs[0].rate_hz, size), shots)
+    with _writing("--out", folder):
+        write_ball_campaign(folder, name, jobs[0].ball, (jobs[0].rate_hz, size), shots)
 
 
 def _draw(figure: Path, name: str, job: FilmJob, film: AnalysedFilm, *, alone: bool) -> None:
     path = figure if alone else figure.with_stem(f"{figure.stem}-{job.shot:04d}")
-    path.parent.mkdir(parents=True, exist_ok=True)
-    draw_ball_film(path, f"{name}, shot {job.shot}", film)
+    with _writing("--figure", path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        draw_ball_film(path, f"{name}, shot {job.shot}", film)
+
+
+@contextmanager
+def _writing(option: str, place: Path) -> Iterator[None]:
+    """Turn what a disk refuses into `SettingsError`."""
+    try:
+        yield
+    except OSError as error:
+        raise SettingsError(
+            f"cannot be written: {error.strerror or error}",
+            part=option,
+            value=str(place),
+            todo="name another place, or make room there",
+        ) from error
 
 
 def _print(document: Json) -> None:
