@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import pytest
+
 from tests.system.real_rig import RealRig, real_rig
 
 LATCHED = re.compile(r"the rig is latched \((\w+)\) since ([-0-9]{10} [:0-9]{8}) UTC[^:]*: (.*)")
@@ -18,6 +20,7 @@ def said_at_the_start(rig: RealRig) -> str:
     return log.read_text()[before:]
 
 
+@pytest.mark.long
 def test_a_trigger_on_the_port_of_a_relay_board_is_named_and_the_latch_outlasts_a_restart(
     tmp_path: Path,
 ) -> None:

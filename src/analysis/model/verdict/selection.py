@@ -135,7 +135,7 @@ def _concluded(
             found, cells = again, quiet
     names = found.path[-1].effects
     alias_sets, last = {name: found.alias_sets[name] for name in names}, found.path[-1]
-    short = bool(names) and is_short(cells, len(evidence.data.shots), last.error.value)
+    short = bool(names) and is_short(cells, len(found.evidence.data.shots), last.error.value)
     left = short or _alarmed(found, cells) or is_far_off(last.fit)
     return Verdict(
         verdict="unexplained" if left else _word(alias_sets),

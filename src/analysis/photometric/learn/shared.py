@@ -179,7 +179,8 @@ def solve_shared(equations: Equations, tangents: Floats, views: int, *, settled:
     tangents
         Of the markers, as in the training, shape (markers, 2, 3).
     settled
-        How many of the first markers stay, and with them their look and the camera.
+        How many of the first markers stay, and with them their look and the camera. They hold the
+        others, which may turn together.
     """
     markers = len(tangents)
     sizes = shared_prior(markers, views, BENDS_PRIOR)
@@ -188,7 +189,8 @@ def solve_shared(equations: Equations, tangents: Floats, views: int, *, settled:
         sizes[[*range(2 * markers + MARKERS_SHARE + SCALE, len(sizes) - BENDS, VIEW_SHARE)]] = HELD
         sizes[-BENDS:] = HELD
     held = equations.normal + np.diag(sizes**-2.0)
-    held[: 2 * markers, : 2 * markers] += together(tangents)
+    if not settled:
+        held[: 2 * markers, : 2 * markers] += together(tangents)
     inverse = np.linalg.inv(held)
     step = inverse @ equations.right
     views_from = 2 * markers + MARKERS_SHARE
@@ -198,7 +200,7 @@ def solve_shared(equations: Equations, tangents: Floats, views: int, *, settled:
     camera = [on_markers, *ratios, *bends]
     return Shared(
         markers=step[: 2 * markers].reshape(markers, 2),
-        marker_sigma=float(np.sqrt(np.median(np.diag(inverse)[: 2 * markers]))),
+        marker_sigma=float(np.sqrt(np.median(np.diag(inverse)[: 2 * markers]))) if markers else 0.0,
         darkness=float(step[2 * markers]),
         alpha=float(step[2 * markers + 1]),
         camera=step[camera],
