@@ -136,15 +136,15 @@ def _faults(
 ) -> list[ConfigurationError]:
     """Return all faults; a key that is misspelt is the cause of one that is missing: it goes first.
 
-    What is missing under the name that a misspelt key means is no fault of its own.
+    What is missing in its section, under the name that it means, is no fault of its own.
     """
     slips = [error for error in errors if error["type"] in _UNKNOWN]
-    meant_keys = {_meant(form, error, document) for error in slips}
+    meant_keys = {(*error["loc"][:-1], _meant(form, error, document)) for error in slips}
     rest = [
         error
         for error in errors
         if error["type"] not in _UNKNOWN
-        and not (error["type"] == "missing" and error["loc"][-1] in meant_keys)
+        and not (error["type"] == "missing" and error["loc"] in meant_keys)
     ]
     return [
         *(_unknown_key(form, error, document, source) for error in slips),
@@ -156,7 +156,8 @@ def _fault(error: ErrorDetails, document: Mapping[str, Any], source: str) -> Con
     field, missing = _field(error, document), error["type"] in {"missing", "union_tag_not_found"}
     value, limit = None if missing else _value(error), _limit(error)
     unit = unit_of(field.rpartition(".")[2].partition("[")[0])
-    if unit != RATIO and isinstance(error["input"], int | float):
+    given = error["input"]
+    if unit != RATIO and isinstance(given, int | float) and not isinstance(given, bool):
         value, limit = (None if text is None else f"{text} {unit}" for text in (value, limit))
     return ConfigurationError(
         _clause(error),
@@ -170,13 +171,18 @@ def _fault(error: ErrorDetails, document: Mapping[str, Any], source: str) -> Con
 def _with_others(faults: Sequence[ConfigurationError]) -> ConfigurationError:
     """Return the first of some faults; the fields of the others stand in it."""
     first, *others = faults
-    fields = [(one.part or "").rpartition(": ")[2] for one in others]
-    if not fields:
+    if not others:
         return first
-    todo = f"{first.todo}; also {', '.join(fields)}"
+    todo = f"{first.todo}; also {', '.join(_named(one) for one in others)}"
     return ConfigurationError(
         first.what, part=first.part, value=first.value, limit=first.limit, todo=todo
     )
+
+
+def _named(fault: ConfigurationError) -> str:
+    """Return the field of a fault, or what it says where its part is the whole file."""
+    _, is_of_a_field, field = (fault.part or "").rpartition(": ")
+    return field if is_of_a_field else fault.what
 
 
 def _unknown_key(

@@ -14,7 +14,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rigctl.config import default_path, load, parse
+from rigctl.config import Configuration, default_path, faults_of, load, parse
 from rigctl.config.bench import load_bench
 from rigctl.errors import ConfigurationError
 
@@ -94,7 +94,7 @@ def test_an_example_is_simulated_where_its_name_says_so() -> None:
     ("path", "value", "words"),
     [
         ("limits.cool_down_s", "3", ["limits.cool_down_s", "'3'", "number"]),
-        ("limits.cool_down_s", True, ["limits.cool_down_s", "True"]),
+        ("limits.cool_down_s", True, ["limits.cool_down_s", "(found True)"]),
         ("limits.cool_down_s", -1.0, ["limits.cool_down_s", "-1.0", "at least 0"]),
         ("limits.free_disk_mb", math.nan, ["limits.free_disk_mb", "finite"]),
         ("limits.settle_timeout_s", math.inf, ["limits.settle_timeout_s", "finite"]),
@@ -144,6 +144,20 @@ def test_further_mistakes_are_named_too() -> None:
     twice = changed(changed(SIMULATED, "service.port", -1), "camera.rows", "many")
     assert "service.port" in str(refusal(twice))
     assert "camera.rows" in str(refusal(twice))
+    misspelt = changed(changed(SIMULATED, "store.foldr", "a"), "service.prot", 1)
+    assert sorted(re.findall(r"unknown key (\S+)", str(refusal(misspelt)).replace(",", " "))) == [
+        "service.prot",
+        "store.foldr",
+    ]
+
+
+def test_a_key_that_is_missing_elsewhere_is_not_taken_for_the_one_that_is_misspelt() -> None:
+    slipped = changed(changed(SIMULATED, "trigger.port", ...), "trigger.prt", "sim:trigger")
+    document = changed(slipped, "regulator.port", ...)
+    said = [str(fault) for fault in faults_of(Configuration, document, "rig.toml")]
+    assert len(said) == 2
+    assert "unknown key trigger.prt" in said[0]
+    assert "regulator.port: is missing" in said[1]
 
 
 @pytest.mark.parametrize("section", ["trigger", "regulator", "slide", "cut_off"])

@@ -57,6 +57,11 @@ class Drawn:
         asyncio.run(self._part._on_cancel())
 
     @property
+    def bar(self) -> ui.linear_progress:
+        (bar,) = (x for x in self._client.elements.values() if isinstance(x, ui.linear_progress))
+        return bar
+
+    @property
     def texts(self) -> list[str]:
         elements = self._client.elements.values()
         return [x.text for x in elements if isinstance(x, ui.label)]
@@ -67,6 +72,19 @@ def test_a_page_that_is_drawn_later_counts_the_seconds_on(monkeypatch: pytest.Mo
     drawn.look()
     assert drawn.texts[0] == "Measuring its frames"
     assert "37 s gone" in drawn.texts[1]
+
+
+def test_a_bar_never_goes_back_when_measuring_lasts_longer_than_usual(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    drawn = Drawn(daemon := Daemon(), monkeypatch)
+    daemon.stands = Awaited(3.0, is_cancelled=False)
+    drawn.look()
+    assert drawn.bar.value == pytest.approx(0.75)
+    assert "indeterminate" not in drawn.bar.props
+    daemon.stands = Awaited(4.5, is_cancelled=False)
+    drawn.look()
+    assert "indeterminate" in drawn.bar.props
 
 
 def test_a_cancelled_analysis_is_said_to_be_until_it_has_ended(

@@ -117,12 +117,15 @@ def test_of_the_same_shots_nothing_is_fitted_twice(state: ModelState, source: An
 def test_a_comparison_that_was_cancelled_is_not_called_one_of_the_same_shots(
     state: ModelState, source: Answering
 ) -> None:
-    state.take(("drag",))
+    state.ask_trial("drag")
     source.told()
     state.follow()
     (running,) = (job for job in source.jobs.values() if job.state is JobState.RUNNING)
     source.jobs[running.id] = Job(running.id, "picture", "x", JobState.CANCELLED, AT)
     state.follow()
+    assert state.tried("drag") is not None
+    assert state.trials() == {}
+    state.take(("drag",))
     assert state.present is not None
     assert not state.is_of_the_same_shots
     assert "“After” alone has these" in came_back(state.come_back(), same=False)

@@ -76,7 +76,8 @@ class ModelState:
     def trials(self) -> dict[str, float]:
         """Return by which factor one more effect changes the error on unseen shots, by its name.
 
-        Without it and with it the shots are the same.
+        Without it and with it the shots are the same; an effect of which that is not so, as the
+        comparison failed or was cancelled, is left out.
         """
         more = len(self.effects) + 1
         tried = [
@@ -88,7 +89,7 @@ class ModelState:
         return {
             name: pair[1]["prediction_error"] / pair[0]["prediction_error"]
             for name, pair in pairs.items()
-            if pair is not None
+            if pair is not None and pair[0]["rejected"] == pair[1]["rejected"]
         }
 
     def take(self, effects: Effects) -> None:

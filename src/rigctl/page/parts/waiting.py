@@ -65,13 +65,7 @@ class Waiting:
         wait = wait_of(job, jobs.jobs(), now)
         self._said.set_text(f"{self._title}: {self._worded(step_of(job))}")
         self._left.set_text(said_of(wait))
-        indeterminate = wait.share is None
-        self._bar.props(
-            add="indeterminate" if indeterminate else None,
-            remove=None if indeterminate else "indeterminate",
-        )
-        # In steps of a hundredth: each change is sent to the browser.
-        self._bar.set_value(round(wait.share or 0.0, 2))
+        fill(self._bar, wait.share)
 
     async def _on_cancel(self) -> None:
         name = self._look()
@@ -79,6 +73,16 @@ class Waiting:
             self._said.set_text(f"{self._title}: is being cancelled")
             await self._desk.act(lambda: self._desk.daemon.jobs.cancel(name))
             self.show()
+
+
+def fill(bar: ui.linear_progress, share: float | None) -> None:
+    """Fill a bar to a share; where nobody can say one, it moves without end."""
+    bar.props(
+        add="indeterminate" if share is None else None,
+        remove=None if share is None else "indeterminate",
+    )
+    # In steps of a hundredth: each change is sent to the browser.
+    bar.set_value(round(share or 0.0, 2))
 
 
 def step_of(job: Job) -> str:

@@ -16,7 +16,7 @@ from rigctl.page.desk import Desk
 from rigctl.page.parts.presence import every
 from rigctl.page.parts.quantities import COEFFICIENTS, VALUE
 from rigctl.page.parts.tables import Cell, facts, measured
-from rigctl.page.parts.waiting import UNSAID_S, said_of
+from rigctl.page.parts.waiting import UNSAID_S, fill, said_of
 from rigctl.page.parts.widgets import button
 from rigctl.page.shots.films import Film
 from rigctl.page.shots.player import Player
@@ -76,14 +76,15 @@ class Analysing:
         self._all.set_visibility(gone > UNSAID_S)
         if compiling is None:
             left = max(1.0, USUAL_S - gone) if gone < USUAL_S else None
+            wait = Wait(gone, left, is_late=left is None)
             self._said.set_text(CANCELS if cancels else MEASURES)
-            self._left.set_text(said_of(Wait(gone, left, is_late=left is None)))
+            self._left.set_text(said_of(wait))
+            fill(self._share, wait.share)
         else:
             left = compiling.left_s(now)
             self._said.set_text(CANCELS if cancels else COMPILES)
             self._left.set_text(f"{compiling.words}; {gone:.0f} s gone{left_words(left)}.")
-        share = Wait(gone, left).share if compiling is None else compiling.share
-        self._share.set_value(round(share or 0.0, 2))
+            fill(self._share, compiling.share)
 
     async def _on_cancel(self) -> None:
         self._cancels = True
