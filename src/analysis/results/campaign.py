@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from analysis.arrays import Floats
 from analysis.effects.contact.lasting_contact import EFFECT
 from analysis.model.data.poses import PoseData
+from analysis.model.data.stream import CampaignData
 from analysis.model.data.tables import ContactTable, Data
 from analysis.model.fitting.robust_fit import RobustFit, robust_fit, robust_fit_with
 from analysis.quantity import Quantity
@@ -177,6 +178,8 @@ def mean_restitution(impacts: Impacts, used: np.ndarray) -> Quantity:
 
 
 NO_BOTH = "too few frames show both spheres before the contact or after it"
+NO_FLIGHTS = "too few frames show the sphere free before its bounce, or after it"
+"""Of a sphere on a plate."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -236,7 +239,7 @@ def results(data: Data, measured: Impacts | None = None) -> Results:
     """
     found = robust_fit(data)
     impacts = _impacts(data, found) if measured is None else measured
-    unusable = [LeftOut(number, NO_BOTH) for number in found.evidence.stated.unusable]
+    unusable = unusable_shots(found.evidence.stated, impacts)
     each, lines = ratios(impacts), fit_lines(impacts)
     other = contacts_that_last(found, lines)
     fitted = found if other is None else other
@@ -251,6 +254,13 @@ def results(data: Data, measured: Impacts | None = None) -> Results:
         remarks=tuple(fitted.remarks()),
         lasting=other is not None,
     )
+
+
+def unusable_shots(data: CampaignData, impacts: Impacts) -> list[LeftOut]:
+    """Return the shots that are not among the data, and of which no impact was measured either."""
+    reason = NO_FLIGHTS if data.bodies[1].is_plate else NO_BOTH
+    missing = sorted(set(data.unusable) - set(impacts.shots.tolist()))
+    return [LeftOut(number, reason) for number in missing]
 
 
 def _far(impacts: Impacts, lines: Lines) -> tuple[LeftOut, ...]:

@@ -9,8 +9,10 @@ from hashlib import sha256
 
 import numpy as np
 
+from analysis.arrays import Floats
 from analysis.balls.analysis import FilmJob, analyse_film
 from analysis.balls.document import ball_document
+from analysis.balls.films.reading import PHOTRON_SUFFIXES
 from analysis.collision.operator import Body
 from analysis.errors import InputError, ShotRefusedError
 from analysis.model.data.gather import pose_data
@@ -66,15 +68,16 @@ class FilmedBall:
         }
         poses = {number: one["poses"] for number, one in documents.items() if "poses" in one}
         excluded = {row.shot for row in self.films.rows if row.is_excluded}
-        if set(poses) <= excluded:
+        used = sorted(set(poses) - excluded)
+        if not used:
             why = next((f"; shot {shot}: {text}" for shot, text in refused.items()), "")
             raise AnalysisInputError(f"no film can be measured{why}", part=self.name)
         job = self.films.jobs[0]
-        setup = ball_setup(job.ball, (job.rate_hz, PICTURE), list(poses.values()))
+        setup = ball_setup(job.ball, (job.rate_hz, PICTURE), [poses[number] for number in used])
         shots = {number: {"a": pose_rows(one)} for number, one in poses.items()}
         data = pose_data(shots, self.films.rows, setup)
-        counting = {number: documents[number] for number in sorted(set(poses) - excluded)}
-        return Measured(data, refused, now, _impacts(counting, data.bodies))
+        impacts = _impacts({number: documents[number] for number in used}, data.bodies)
+        return Measured(data, refused, now, impacts)
 
 
 def _impacts(documents: Mapping[int, Json], bodies: tuple[Body, Body]) -> Impacts:
@@ -91,6 +94,7 @@ def _impacts(documents: Mapping[int, Json], bodies: tuple[Body, Body]) -> Impact
             row[[V_N, V_N_AFTER]] = before.value, after.value
             spread[V_N, V_N], spread[V_N_AFTER, V_N_AFTER] = before.sigma**2, after.sigma**2
             spread[V_N, V_N_AFTER] = spread[V_N_AFTER, V_N] = _shared(before, after, e)
+            spread[V_N_AFTER, V_N_AFTER] += _beyond(spread, before, after, e)
             velocities.append(row)
             covariance.append(spread)
     shape = np.array(velocities).reshape(-1, 4), np.array(covariance).reshape(-1, 4, 4)
@@ -106,6 +110,16 @@ def _shared(before: Quantity, after: Quantity, e: Quantity) -> float:
     apart = after.sigma**2 + (ratio * before.sigma) ** 2 - (e.sigma * before.value) ** 2
     most = before.sigma * after.sigma
     return float(np.clip(apart / (2.0 * ratio), -most, most))
+
+
+def _beyond(spread: Floats, before: Quantity, after: Quantity, e: Quantity) -> float:
+    """Return the variance of v_n' that no covariance of the speeds holds, (m/s)^2.
+
+    e holds what may err beside the fit, such as pictures that a codec has made alike.
+    """
+    along = np.zeros(4)
+    along[[V_N, V_N_AFTER]] = -after.value / before.value, 1.0
+    return max(0.0, (e.sigma * before.value) ** 2 - float(along @ spread @ along))
 
 
 def _measured(job: FilmJob) -> Json:
@@ -130,5 +144,9 @@ def _key(job: FilmJob) -> str | None:
     content = digest_of(job.path)
     if content is None:
         return None
+    if (own := job.path.suffix.lower()) in PHOTRON_SUFFIXES:
+        # Pictures lie in one file; their size and rate stand in another.
+        others = [job.path.with_suffix(one) for one in PHOTRON_SUFFIXES if one != own]
+        content = json.dumps([content, *map(digest_of, others)])
     stated = {**asdict(job), "path": content, "shot": None}
     return sha256(json.dumps([sources(), stated], default=repr).encode()).hexdigest()

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
 
+from analysis.balls.analysis import FilmJob
 from analysis.balls.films.frames import FRAME_SUFFIXES, holds_frames
 from analysis.balls.films.part import Cut
 from analysis.campaign import DESCRIPTION, POSES, joined, read_campaign
@@ -130,10 +131,13 @@ def open_campaign(
     with as_analysis_errors():
         found = _filmed_ball(source, stated) or _source(source, method, setup, config)
         if not isinstance(found, FilmedBall) and stated != Stated(setup=stated.setup):
+            held = isinstance(found, Tables)
             raise AnalysisInputError(
-                "mass, frame rate, exposure, part and lens of a film are for films of one ball",
+                "diameter, mass, frame rate, exposure, part and lens are for films of one ball",
                 part=str(source),
-                todo="state the ball's diameter too, ball_diameter_mm=40, or leave them out",
+                todo="leave them out: this holds tables, whose campaign.toml says what they need"
+                if held
+                else "state the ball's diameter too, ball_diameter_mm=40, or leave them out",
             )
         return Campaign(found, known)
 
@@ -146,7 +150,7 @@ def _filmed_ball(source: Place | Sequence[Place], stated: Stated) -> FilmedBall 
         if _holds_table(place):
             return None
         paths = [place]
-        if stated.diameter_mm is not None and (inside := _films_inside(place)):
+        if inside := _films_inside(place):
             paths, name = inside, place.resolve().name
     else:
         paths = [Path(each) for each in source]
@@ -156,7 +160,19 @@ def _filmed_ball(source: Place | Sequence[Place], stated: Stated) -> FilmedBall 
         if not path.exists():
             raise InputError(path, "no such file or folder")
     films = ball_films(paths, stated)
+    _require_one_ball(films.jobs)
     return FilmedBall(films if name is None else replace(films, name=name))
+
+
+def _require_one_ball(jobs: Sequence[FilmJob]) -> None:
+    """Refuse films of unlike balls: one law with one size and one mass is fitted to all."""
+    for job in jobs:
+        if job.ball != jobs[0].ball:
+            raise AnalysisInputError(
+                f"shows another ball than {jobs[0].path}: {job.ball} and {jobs[0].ball}",
+                part=str(job.path),
+                todo="open the films of each ball by themselves, or state ball_diameter_mm",
+            )
 
 
 def _holds_table(path: Path) -> bool:

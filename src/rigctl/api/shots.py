@@ -12,7 +12,7 @@ import numpy as np
 from analysis.model.data.columns import ORDER
 from analysis.model.data.poses import PoseData
 from analysis.model.data.tables import Data
-from analysis.results.campaign import NO_BOTH, Results, results
+from analysis.results.campaign import Results, results, unusable_shots
 from analysis.results.from_poses import pose_impacts
 from analysis.results.from_table import table_impacts
 from analysis.results.impacts import Impacts
@@ -60,7 +60,7 @@ class Shots:
         data = self._data
         return {
             **dict.fromkeys(data.excluded, "a person excluded it"),
-            **dict.fromkeys(data.unusable, NO_BOTH),
+            **{one.shot: one.reason for one in unusable_shots(data, self._impacts)},
             **self._measured.refused,
             **{one.shot: one.reason for one in self._impacts.left_out},
         }

@@ -167,7 +167,7 @@ def test_a_film_without_a_rate_asks_for_it(film: Path, capsys: pytest.CaptureFix
         ("--frames", "x", "--frames"),
         ("--roi", "1,2", "--roi"),
         ("--frames", "90:400", "100 frames"),
-        ("--figure", "bounce.xyz", "ends in .png"),
+        ("--figure", "bounce.xyz", ".png, "),
         ("--out", __file__, "is a file"),
     ],
 )
@@ -177,6 +177,16 @@ def test_an_option_that_cannot_be_is_bad_input(
     arguments = ["analyse", str(film), "--ball-diameter-mm", "100", "--fps", "200"]
     assert cli.run([*arguments, option, value]) == cli.BAD_INPUT
     assert words in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("kind", ["jpeg", "TIF", "eps", "png"])
+def test_a_picture_may_be_of_any_kind_that_can_be_drawn(
+    kind: str, film: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = ["analyse", str(film), "--ball-diameter-mm", "100", "--figure", f"bounce.{kind}"]
+    assert cli.run([*arguments, "--roi", "1,2"]) == cli.BAD_INPUT
+    # The picture's name is looked at first: nothing is wrong with it.
+    assert "--roi" in capsys.readouterr().err
 
 
 def test_options_of_a_ball_without_a_ball_are_refused(

@@ -67,6 +67,16 @@ class Ball:
     air_density: float = AIR_DENSITY
     gravity: float = 9.80665
 
+    def __str__(self) -> str:
+        """Return size, mass and surroundings in a person's units."""
+        grams = None if self.density is None else 1e3 * self.density * self.diameter_m**3
+        mass = "unknown mass" if grams is None else f"{math.pi / 6.0 * grams:.4g} g"
+        return (
+            f"{1e3 * self.diameter_m:.4g} mm and {mass} with a drag coefficient of "
+            f"{self.drag_coefficient:.3g} in air of {self.air_density:.4g} kg/m^3, "
+            f"gravity {self.gravity:.6g} m/s^2"
+        )
+
     @classmethod
     def of_setup(cls, setup: Setup) -> Ball:
         """Return sphere a of a set-up in its surroundings; air that is not stated is the usual."""

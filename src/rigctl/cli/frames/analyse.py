@@ -51,8 +51,6 @@ HEADINGS = (
 )
 _CAPTION = "in brackets: standard error in units of the last digit"
 _CELL = "\t"
-PICTURES = (".png", ".jpg", ".svg", ".pdf")
-"""Kinds in which a film's picture is written."""
 OTHER_FILMS = (
     "frames without a set-up are taken for those of two marked spheres of 25.4 mm: of a ball that "
     "bounces state the diameter, --ball-diameter-mm 40; of other spheres --setup campaign.toml"
@@ -294,12 +292,20 @@ def _require_places(out: Path | None, figures: Path | None, figure: Path | None)
             raise SettingsError(
                 "is a file; a folder is written", part=name, value=str(folder), todo="name another"
             )
-    if figure is not None and (figure.suffix.lower() not in PICTURES or figure.is_dir()):
+    if figure is not None:
+        _require_picture(figure)
+
+
+def _require_picture(figure: Path) -> None:
+    from matplotlib.backend_bases import FigureCanvasBase  # noqa: PLC0415 - it is slow to load
+
+    kinds = sorted(f".{kind}" for kind in FigureCanvasBase.get_supported_filetypes())
+    if figure.suffix.lower() not in kinds or figure.is_dir():
         raise SettingsError(
             "is no name of a picture",
             part="--figure",
             value=str(figure),
-            limit=f"a file that ends in {', '.join(PICTURES)}",
+            limit=f"a file that ends in {', '.join(kinds)}",
         )
 
 
