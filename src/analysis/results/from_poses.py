@@ -15,6 +15,7 @@ import numpy as np
 from analysis.arrays import Floats
 from analysis.errors import ShotRefusedError
 from analysis.model.data.poses import PoseData
+from analysis.results.bounces import bounce_impacts
 from analysis.results.impacts import (
     SHARED,
     V_N,
@@ -37,6 +38,8 @@ def pose_impacts(data: PoseData) -> Impacts:
     Where stated ones are too small throughout, the limit for a bent track is enlarged as much.
     """
     scene = scene_of(data)
+    if data.on_plate:
+        return bounce_impacts(data, scene)
     scenes = [replace(scene, slow=data.own_slow.get(int(n), data.slow)) for n in data.shots]
 
     def measured(given: PoseData) -> list[TwoSides | ShotRefusedError]:
@@ -69,7 +72,7 @@ def scene_of(data: PoseData) -> Scene:
         bodies=data.bodies,
         gravity=data.gravity,
         air_density=data.air_density,
-        drag_coefficient=data.drag_coefficient,
+        drag_coefficient=data.drag_of_flights,
         drag_sigma=data.drag_sigma,
         # Poses without a stated exposure are those of instants.
         exposure_s=data.camera.exposure_s or 0.0,

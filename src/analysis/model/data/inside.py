@@ -102,8 +102,8 @@ def without_contact_frames(data: C) -> C:
     if isinstance(data, ContactTable):
         return data
     if isinstance(data, PoseStream):
-        return data.changed(lambda part: _outside(part)[0])
-    return PoseData.joined([_outside(part)[0] for part in data.parts()])
+        return data.changed(lambda part: outside_contact(part)[0])
+    return PoseData.joined([outside_contact(part)[0] for part in data.parts()])
 
 
 def shows_both_sides(data: PoseData) -> NDArray[np.bool_]:
@@ -112,12 +112,12 @@ def shows_both_sides(data: PoseData) -> NDArray[np.bool_]:
     Those that may show the contact itself belong to neither side: a contact may last so long, or
     frames be so few, that none is left.
     """
-    outside, tau = _outside(data)
+    outside, tau = outside_contact(data)
     sides = [(outside.seen & side).sum(axis=1) for side in (tau < 0.0, tau > 0.0)]
     return np.asarray(np.minimum(*sides) >= LEAST_FOR_A_LINE)
 
 
-def _outside(data: PoseData) -> tuple[PoseData, Floats]:
+def outside_contact(data: PoseData) -> tuple[PoseData, Floats]:
     """Return the data without frames of the contact, and times from first touch, s, (S, F)."""
     whole = without_torn_tracks(data)
     states = first_states(whole)

@@ -263,17 +263,22 @@ class PoseData:
         return replace(parts[0], **arrays, covariates=covariates, own_slow=own_slow, torn=torn)
 
     @property
+    def drag_of_flights(self) -> float | None:
+        """Drag coefficient that is taken out of flights; None: of what is not stated nothing is.
+
+        Flights of a ball are long: without air no law of contact would be seen.
+        """
+        unstated = self.drag_coefficient is None and self.on_plate
+        return NOMINAL_DRAG if unstated else self.drag_coefficient
+
+    @property
     def systematics(self) -> tuple[Systematic, ...]:
         """Return what all shots share and is known beforehand with an error."""
-        drag = self.drag_coefficient
-        if drag is None and self.on_plate:
-            # Flights of a ball are long: without air no law of contact would be seen.
-            drag = NOMINAL_DRAG
         # Of a plate no outline is seen that could be off.
         seen = SlowErrors(scale=self.slow.scale) if self.on_plate else self.slow
         return (
             *of_images(seen),
-            *of_air(drag, self.drag_sigma),
+            *of_air(self.drag_of_flights, self.drag_sigma),
             *of_lengths(self.gravity, self.length_sigma),
             *(of_plate(self.plate.sigma_rad) if self.on_plate else ()),
         )
