@@ -40,7 +40,7 @@ LEAST_FRAMES = 3
 MOST_CHI2 = 8.0
 """Of a flight, per degree of freedom, times what is typical of the campaign where that is more."""
 SOFT_CONTACT_S = 5e-4
-"""Contacts of balls last from 0.05 ms, of hard ones, to 2 ms: so long where no modulus is stated."""
+"""Contacts of balls last 0.05 ms, of hard ones, to 2 ms: so long where no modulus is stated."""
 PLACES, SPINS, SCALE, LEANS = slice(0, 12), slice(12, 18), 18, slice(19, 21)
 """Where places and velocities before and after, spins, scale and leans stand among the states."""
 

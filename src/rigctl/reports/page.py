@@ -187,11 +187,14 @@ def page(source: Source, found: Results) -> str:
 def _head(source: Source, found: Results) -> str:
     mark = '<span class="simulated">simulated</span>' if source.simulated else ""
     used = len(found.impacts.shots)
+    counted = f"Collisions of two spheres: {used} of {source.listed} shots"
+    if source.data.bodies[1].is_plate:
+        counted = f"A sphere on a plate: {used} bounces of {source.listed} shots"
     lines = [
         f"<h1>{escape(source.title)}{mark}</h1>",
         paragraph(
-            f"Collisions of two spheres: {used} of {source.listed} shots measured and used. Errors "
-            "are standard errors; 0.7401(2) is 0.7401 ± 0.0002.",
+            f"{counted} measured and used. Errors are standard errors; 0.7401(2) is "
+            "0.7401 ± 0.0002.",
             "aside",
         ),
         '<div class="key">',

@@ -12,6 +12,7 @@ import rigctl
 from analysis.model.data.gather import gather
 from analysis.model.data.poses import PoseData
 from analysis.results.from_poses import pose_impacts
+from rigctl import cli
 from simulators.challenge import drops
 from simulators.challenge.drops import Drop
 from tests.unit.analysis.model.dropped import write_drops
@@ -55,13 +56,16 @@ def test_poses_of_a_ball_on_a_plate_give_e_of_each_bounce(
 
 
 @pytest.mark.long
-def test_bounces_on_a_plate_are_drawn_with_their_lines(
+def test_bounces_on_a_plate_are_drawn_and_reported_with_their_lines(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     true = written(tmp_path, monkeypatch, shots=6, seed=3, sigma_m=4e-5, air=AIR)
     axes = rigctl.open(tmp_path).measure().plot()
     drawn = max(len(line.get_xdata()) for line in axes.lines)
     assert drawn >= len(true)
+    report = tmp_path / "report.html"
+    assert cli.run(["report", str(tmp_path), "--out", str(report)]) == 0
+    assert f"{len(true)} bounces of 6 shots measured" in report.read_text("utf-8")
 
 
 def test_of_a_ball_without_markers_e_is_sure_and_stated_errors_are_not_needed(
