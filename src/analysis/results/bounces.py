@@ -165,6 +165,8 @@ def _combined(
     gone = _while_it_lasts(values, data)
     spread += gone[:, None] * gone
     shared = common @ jacobian.T
+    # All contacts of a campaign are as long, nearly: their mean errs as each does.
+    shared[-1] = gone
     if any(spin is None for spin in spins):
         unseen = [V_S, V_S_AFTER]
         values[unseen], shared[:, unseen] = np.nan, 0.0
