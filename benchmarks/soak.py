@@ -4,7 +4,7 @@ One daemon over a simulated laboratory fires shot after shot, with short films a
 analysis. The process is measured after every tenth of them, from `WARM_UP` shots on. What memory a
 process comes to rest at is the same on a busy machine, and takes more shots there: as long as it
 grows in the last four tenths of them by more than `MOST_MIB_PER_1000` and the allocator's spare,
-shots go on, up to twice as many as asked for.
+shots go on, up to four times as many as asked for.
 Prints the table; ends 1 where a shot was not stored, fires and shots differ, or the process grows
 to the end, in memory, descriptors or threads.
 """
@@ -86,7 +86,7 @@ def main() -> int:
         opened(Path(temporary) / "data", answer_timeout_s=10.0) as bench,
     ):
         began = time.monotonic()
-        for number in range(1, 2 * options.shots + 1):
+        for number in range(1, 4 * options.shots + 1):
             shot = bench.shoot()
             if shot.outcome != "stored":
                 failed.append(f"{shot.id} {shot.outcome}: {shot.failure}")
