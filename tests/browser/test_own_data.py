@@ -217,11 +217,14 @@ def test_what_is_no_film_is_refused_in_words(page: Page, served: Served) -> None
     page.locator("input[type=file]").set_input_files([letter])
     expect(failed).to_be_hidden()
     waits = page.get_by_test_id("bringing")
+    # A second choice would be on its way beside it, where Cancel does not reach it.
+    expect(page.get_by_test_id("drop")).to_be_disabled()
     expect(waits).to_contain_text(re.compile(r"Bringing 1 file: .*\d+ s gone.* MB are there"))
     assert faults(page) == []
     page.get_by_test_id("cancel-bringing").click()
     expect(waits).to_be_hidden()
     expect(failed).to_be_hidden()
+    expect(page.get_by_test_id("drop")).to_be_enabled()
     page.unroute("**/own-data")
     page.reload()
     expect(page.get_by_test_id("drop")).to_be_visible()

@@ -8,7 +8,15 @@ from pathlib import Path
 import pytest
 
 from rigctl.errors import AnalysisInputError
-from rigctl.page.own.brought import known, new_place, safe_name, what_is_in
+from rigctl.page.own.brought import (
+    brought_before,
+    forget_unsettled,
+    known,
+    new_place,
+    safe_name,
+    settled,
+    what_is_in,
+)
 
 
 @pytest.fixture
@@ -59,9 +67,33 @@ def test_what_was_measured_is_not_taken_for_what_was_brought(place: Path) -> Non
 
 def test_an_archive_with_a_description_is_a_campaign_however_deep_it_lies(place: Path) -> None:
     pack(place, **{"steel/campaign.toml": "", "steel/frames/0001.tif": ""})
-    found = what_is_in(place)
-    assert found.campaign == place / "unpacked" / "brought" / "steel"
-    assert known(place.parents[1], place.name) == found
+    assert what_is_in(place).campaign == place / "unpacked" / "brought" / "steel"
+    token = settled(place)
+    kept = place.with_name(token)
+    assert known(kept.parents[1], token).campaign == kept / "unpacked" / "brought" / "steel"
+
+
+def test_what_is_still_being_brought_is_neither_listed_nor_unpacked(place: Path) -> None:
+    pack(place, **{"film/1.png": "", "film/2.png": ""})
+    store = place.parents[1]
+    assert brought_before(store) == []
+    assert sorted(path.name for path in place.iterdir()) == ["brought.zip"]
+    with pytest.raises(AnalysisInputError):
+        known(store, place.name)
+    what_is_in(place)
+    token = settled(place)
+    assert [one.token for one in brought_before(store)] == [token]
+
+
+def test_what_was_never_brought_to_its_end_is_removed_and_nothing_else(place: Path) -> None:
+    store = place.parents[1]
+    whole = new_place(store)
+    (whole / "drop.mp4").write_bytes(b"")
+    (place.parent / "somebody's.part").mkdir()
+    kept = {settled(whole), "somebody's.part"}
+    forget_unsettled(store)
+    assert {path.name for path in place.parent.iterdir()} == kept
+    forget_unsettled(store / "of a rig where nothing was brought")
 
 
 def test_an_archive_of_pictures_is_one_film_every_time_it_is_looked_at(place: Path) -> None:

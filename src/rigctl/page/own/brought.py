@@ -21,6 +21,8 @@ FOLDER = "own"
 """Folder of what was brought, inside the store's."""
 NAME = re.compile(r"[A-Za-z0-9_. -]{1,120}")
 TOKEN = re.compile(r"[0-9a-f]{16}")
+PART = ".part"
+"""Ends the name of a folder whose files are not all there and looked at."""
 MOST_BYTES = 2 * 1024**3
 MOST_FILES = 20_000
 ARCHIVE = ".zip"
@@ -88,8 +90,13 @@ class Brought:
 
 
 def brought_before(store: Path) -> list[Brought]:
-    """Return what was brought last, the latest first; what is unreadable is left out."""
-    places = sorted((store / FOLDER).glob("*/"), key=lambda p: p.stat().st_mtime, reverse=True)
+    """Return what was brought last, the latest first.
+
+    What is unreadable is left out, and what is still being brought: to look at an archive unpacks
+    it.
+    """
+    places = [place for place in (store / FOLDER).glob("*/") if TOKEN.fullmatch(place.name)]
+    places.sort(key=lambda place: place.stat().st_mtime, reverse=True)
     found = []
     for place in places[:MOST_LISTED]:
         with suppress(AnalysisInputError):
@@ -98,10 +105,22 @@ def brought_before(store: Path) -> list[Brought]:
 
 
 def new_place(store: Path) -> Path:
-    """Return a new folder for what is being brought."""
-    place = store / FOLDER / secrets.token_hex(8)
+    """Return a new folder for what is being brought; nothing finds it before it is `settled`."""
+    place = store / FOLDER / f"{secrets.token_hex(8)}{PART}"
     place.mkdir(parents=True)
     return place
+
+
+def settled(place: Path) -> str:
+    """Give a new folder, whose files are all there, its lasting name; return that."""
+    return place.rename(place.with_suffix("")).name
+
+
+def forget_unsettled(store: Path) -> None:
+    """Remove what an earlier daemon was taking in when it ended."""
+    for place in (store / FOLDER).glob(f"*{PART}/"):
+        if TOKEN.fullmatch(place.stem):
+            shutil.rmtree(place, ignore_errors=True)
 
 
 def known(store: Path, token: str) -> Brought:

@@ -1,5 +1,5 @@
 // Hands the files that were dropped or chosen to the daemon, and goes where they are shown. What
-// takes more than a second says how far it is, and can be ended.
+// takes more than a second says how far it is, and can be ended; until then nothing else is taken.
 const UNSAID_MS = 1000;
 
 window.bringFiles = (field) => {
@@ -14,6 +14,13 @@ window.bringFiles = (field) => {
   const asked = new XMLHttpRequest();
   const began = performance.now();
   let [sent, of] = [0, 0];
+  const held = document.activeElement === field;
+  const busy = (is) => {
+    field.disabled = is;
+    // What is dropped meanwhile would be opened in the place of the page.
+    const refuse = is ? (event) => event.preventDefault() : null;
+    [field.parentElement.ondragover, field.parentElement.ondrop] = [refuse, refuse];
+  };
 
   const show = () => {
     const gone = (performance.now() - began) / 1000;
@@ -36,12 +43,15 @@ window.bringFiles = (field) => {
     failed.className = words ? "verdict bad" : "";
     failed.hidden = !words;
     field.value = "";
+    busy(false);
+    if (held) field.focus();
   };
   asked.upload.onprogress = (event) => { [sent, of] = [event.loaded, event.total]; };
   asked.onload = () => {
     const said = answer(asked.responseText);
     if (asked.status < 300 && said.address) {
       clearInterval(ticks);
+      busy(false);
       location.href = said.address;
     } else end(said.detail || "The daemon did not take the files: see whether it still runs.");
   };
@@ -49,6 +59,7 @@ window.bringFiles = (field) => {
   asked.onabort = () => end("");
   placed("button").onclick = () => asked.abort();
   failed.hidden = true;
+  busy(true);
   asked.open("POST", field.dataset.address);
   asked.send(files);
 };

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
 import shutil
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from pathlib import Path
 
 from fastapi import FastAPI, Request
@@ -13,7 +16,15 @@ from starlette.responses import JSONResponse, Response
 
 from rigctl.errors import AnalysisInputError, RigError
 from rigctl.page.desk import Desk
-from rigctl.page.own.brought import MOST_BYTES, MOST_FILES, new_place, safe_name, what_is_in
+from rigctl.page.own.brought import (
+    MOST_BYTES,
+    MOST_FILES,
+    forget_unsettled,
+    new_place,
+    safe_name,
+    settled,
+    what_is_in,
+)
 
 ADDRESS = "/own-data"
 SHOWN_AT = "/own"
@@ -40,7 +51,11 @@ def drop_field(address: str = ADDRESS) -> None:
 
 
 def dropping_route(app: FastAPI, desk: Desk) -> None:
-    """Register the route, beside the pages: it answers where the files are shown, or why not."""
+    """Register the route, beside the pages: it answers where the files are shown, or why not.
+
+    What an earlier daemon had not taken in to its end is removed.
+    """
+    forget_unsettled(desk.daemon.store.path)
 
     @app.post(ADDRESS, include_in_schema=False)
     async def bring(request: Request) -> Response:
@@ -49,18 +64,21 @@ def dropping_route(app: FastAPI, desk: Desk) -> None:
             require_room(request)
             async with request.form(max_files=MOST_FILES) as form:
                 place = new_place(desk.daemon.store.path)
-                for file in form.getlist("files"):
-                    if isinstance(file, UploadFile):
-                        await keep(file, place / safe_name(file.filename or ""))
-            found = await run.io_bound(what_is_in, place)
+                async with awaited(request):
+                    for file in form.getlist("files"):
+                        if isinstance(file, UploadFile):
+                            await keep(file, place / safe_name(file.filename or ""))
+                    found = await run.io_bound(what_is_in, place)
+            # None: the daemon ends.
+            token = "" if found is None else settled(place)
         except ClientDisconnect:
-            # Cancelled before all was there: nothing was kept.
             return Response(status_code=400)
         except RigError as error:
+            return JSONResponse({"detail": error.sentence()}, 422)
+        finally:
+            # Where it was refused or cancelled, nothing is kept; else this name is free.
             if place is not None:
                 await run.io_bound(shutil.rmtree, place, ignore_errors=True)
-            return JSONResponse({"detail": error.sentence()}, 422)
-        token = "" if found is None else found.token
         return JSONResponse({"address": f"{SHOWN_AT}?brought={token}"})
 
 
@@ -75,6 +93,21 @@ def require_room(request: Request) -> None:
             limit=f"{MOST_BYTES / 1e6:.0f} MB",
             todo="put them on the rig's computer and use rigctl analyse",
         )
+
+
+@asynccontextmanager
+async def awaited(request: Request) -> AsyncIterator[None]:
+    """Raise `ClientDisconnect` after the block where the browser did not wait for its end.
+
+    The request's body has been read before.
+    """
+    left = asyncio.ensure_future(request.receive())
+    try:
+        yield
+        if left.done():
+            raise ClientDisconnect
+    finally:
+        left.cancel()
 
 
 async def keep(file: UploadFile, path: Path) -> None:

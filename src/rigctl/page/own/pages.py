@@ -25,7 +25,7 @@ from rigctl.page.own.brought import (
 )
 from rigctl.page.own.dropping import SHOWN_AT, drop_field
 from rigctl.page.own.look import FUNCTIONS, LookPanel
-from rigctl.page.own.marks import diameter_by_line, scale_words, unlike_words, window_of
+from rigctl.page.own.marks import Marks, diameter_by_line, scale_words, unlike_words, window_of
 from rigctl.page.own.measured import MeasuredFilms
 from rigctl.page.own.table import TableView
 from rigctl.page.parts.fields import OptionalNumber
@@ -137,10 +137,12 @@ class ScaleForm:
         self.refresh()
 
     def _measure_line(self, length: OptionalNumber) -> None:
-        # A length that cannot be stays in its field, with what is allowed.
         if length.valid:
             self._length_mm = length.value
             self.refresh()
+        else:
+            # It stays in its field, with what is allowed; by the one before nothing is measured.
+            self.ready = False
 
 
 def _number(label: str, testid: str, hint: str, within: Range) -> OptionalNumber:
@@ -155,6 +157,8 @@ class FilmView:
     def __init__(self, desk: Desk, brought: Brought) -> None:
         self._desk, self._brought = desk, brought
         self._measuring = 0
+        self._stated: Json = {}
+        self._marks = Marks()
         self._results = brought.results()
         self._failures: dict[int, str] = {}
         self._measure = Question(self._ask_measure, desk.daemon.jobs.job)
@@ -191,7 +195,7 @@ class FilmView:
         answer = self._measure.answer
         if answer is not None:
             self._results[number] = answer
-            unlike = unlike_words(self._look.marks, answer["ball"]["diameter_px"]["value"])
+            unlike = unlike_words(self._marks, answer["ball"]["diameter_px"]["value"])
             answer["notes"] += [unlike] if unlike else []
         else:
             self._failures[number] = self._measure.failure
@@ -200,6 +204,10 @@ class FilmView:
             self._measure.start()
 
     def _start(self) -> None:
+        if not self._form.ready:
+            return
+        # What is stated now holds for all films, whatever is changed meanwhile.
+        self._stated, self._marks = self._form.stated(), self._look.marks
         shutil.rmtree(self._brought.folder / MEASURED, ignore_errors=True)
         (self._brought.folder / MEASURED).mkdir()
         self._results, self._failures, self._measuring = {}, {}, 0
@@ -223,7 +231,7 @@ class FilmView:
             "shot": number + 1,
             "name": films[number].name,
             "title": films[0].name,
-            **self._form.stated(),
+            **self._stated,
             "figure": str(folder / f"{FIGURE}-{number + 1}.png"),
             "result": str(folder / f"{RESULT}-{number + 1}.json"),
             "earlier": [str(folder / f"{RESULT}-{done + 1}.json") for done in self._results],

@@ -17,7 +17,7 @@ from rigctl.measuring.brought_film import bring_film, new_film
 from rigctl.page.desk import Desk, actor
 from rigctl.page.layout import sheet
 from rigctl.page.own.brought import safe_name
-from rigctl.page.own.dropping import drop_field, keep, require_room
+from rigctl.page.own.dropping import awaited, drop_field, keep, require_room
 from rigctl.page.parts.presence import every, kept_page
 from rigctl.page.parts.waiting import Waiting
 from rigctl.page.parts.widgets import button
@@ -118,9 +118,11 @@ def shot_film_route(app: FastAPI, desk: Desk) -> None:
                     raise AnalysisInputError("is no file", part="the film", todo="drop one file")
                 name = safe_name(file.filename or "")
                 path = await asyncio.to_thread(new_film, desk.daemon.store.path, name)
-                await keep(file, path)
+                async with awaited(request):
+                    await keep(file, path)
             job = bring_film(desk.daemon.jobs, film, path)
         except ClientDisconnect:
+            # Cancelled: the shot waits on, and the next film takes the place of this one.
             return Response(status_code=400)
         except RigError as error:
             return JSONResponse({"detail": error.sentence()}, 422)
