@@ -187,6 +187,8 @@ def faults(page: Page) -> list[str]:
     found = []
     if not page.evaluate("'axe' in window"):
         page.evaluate(Axe().axe_script)
+    # Until the page hears the daemon its controls are faint, as controls that are disabled.
+    expect(page.locator(".deaf")).to_have_count(0)
     # What is below the pointer says so in words that fade in.
     page.mouse.move(0, 0)
     for width, scheme in LOOKS:
