@@ -4,6 +4,8 @@ For each camera films of other balls, lights, grounds and drops are drawn, measu
 analyse` does, and held against the law that they were drawn with: e's error and its pull (error
 over stated error; 1 rms is right), what that error consists of, and the same of places: as they
 are, and up to a shift and a scale, which flights do not tell. Films of `--keep` are drawn once.
+With `--as-believed` plates are level and the coefficient of drag is what `known` takes
+as its middle, as in films that others render: errors by those two are then not drawn.
 With `--worlds` films are what telephones make of real rooms: H.264, exposure set anew, seams, white
 on bright, hands, shadows.
 """
@@ -13,7 +15,7 @@ from __future__ import annotations
 import argparse
 import tempfile
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +23,7 @@ import numpy as np
 from analysis.balls.analysis import AnalysedFilm, FilmJob, analyse_film
 from analysis.balls.films.reading import film_of_shot
 from analysis.balls.flight.budget import budget
-from analysis.balls.flight.known import Ball
+from analysis.balls.flight.known import DRAG_COEFFICIENT, Ball
 from analysis.balls.measuring import coefficient
 from analysis.errors import ShotRefusedError
 from benchmarks.balls.filming import PLAIN, Scene, Truth, World, film
@@ -79,6 +81,7 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--kinds", nargs="*", choices=KINDS, default=list(KINDS))
     parser.add_argument("--worlds", nargs="*", choices=WORLDS, help="these (none: all) instead")
+    parser.add_argument("--as-believed", action="store_true", help="level plates, usual drag")
     parser.add_argument("--keep", type=Path, help="folder for the films")
     asked = parser.parse_args()
     home = asked.keep or Path(tempfile.mkdtemp())
@@ -86,7 +89,7 @@ def main() -> None:
     for kind in kinds:
         tally = Tally()
         for seed in range(asked.first, asked.first + asked.films):
-            drawn, beside = _drawn(kind, seed)
+            drawn, beside = _drawn(kind, seed, believed=asked.as_believed)
             folder = home / f"{kind.replace(' ', '')}-{seed}"
             truth = film(folder, drawn, seed, beside)
             one(folder, drawn, truth, tally)
@@ -94,8 +97,13 @@ def main() -> None:
         print(f"   errors of e in the middle: {tally.of_sources()}", flush=True)
 
 
-def _drawn(kind: str, seed: int) -> tuple[Scene, World]:
-    return world(kind, seed) if kind in WORLDS else (scene(kind, seed), PLAIN)
+def _drawn(kind: str, seed: int, *, believed: bool) -> tuple[Scene, World]:
+    drawn, beside = world(kind, seed) if kind in WORLDS else (scene(kind, seed), PLAIN)
+    if believed:
+        stage, drop, camera, frames = drawn
+        drop = replace(drop, drag_coefficient=DRAG_COEFFICIENT, lean=0.0)
+        drawn = stage, drop, camera, frames
+    return drawn, beside
 
 
 def one(folder: Path, drawn: Scene, truth: Truth, tally: Tally) -> None:

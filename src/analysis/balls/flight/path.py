@@ -77,11 +77,11 @@ def _meet(state: NDArray[np.float64], slope: float, lasts: float, forces: Floats
 
     `lasts` is a first guess; the rest are Newton's steps.
     """
-    begun = state[1]
+    level, begun = state[0], state[1]
     _fly(state, lasts, forces)
     guess = lasts
     for _ in range(12):
-        above = state[0] - (state[1] - begun) * slope
+        above = state[0] - level - (state[1] - begun) * slope
         closing = state[2] - state[3] * slope
         if abs(closing) < 1e-6:
             break

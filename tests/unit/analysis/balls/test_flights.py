@@ -295,6 +295,21 @@ def test_speeds_are_within_their_errors_where_slow_contacts_last_longer(power: f
     assert np.sqrt(np.mean(np.square(pulls))) < 1.6
 
 
+@pytest.mark.parametrize("slope", [-0.03, 0.02])
+def test_later_bounces_on_a_plate_that_slopes_lie_on_the_plate(slope: float) -> None:
+    # Without air a flight over a slope lasts 2 v_n / (g cos) and ends as fast as it began.
+    values = np.zeros(path.COMMON + 4 * path.EACH)
+    values[[path.SPEED, path.ACROSS, path.FALL, path.TILT]] = 2000.0, -300.0, FALL, slope
+    values[[path.PLATE, path.HALF, path.ASLANT]] = PLATE, 240.0, 0.1
+    values[path.COMMON :: path.EACH] = 1800.0, 1500.0, 1300.0, 1100.0
+    values[path.COMMON + 1 :: path.EACH] = -250.0
+    contacts = np.zeros((4, 6))
+    path.places(values, np.array([0.0, 2.0]), np.array([0, 4]), np.zeros((2, 3)), contacts)
+    times, towards, away = contacts[:, 0], contacts[:, 1], contacts[:, 3]
+    assert np.diff(times) == pytest.approx(2 * away[:-1] / (FALL * math.cos(slope)))
+    assert towards[1:] == pytest.approx(away[:-1])
+
+
 def test_each_flight_asked_for_alone_begins_where_the_ball_leaves_the_plate() -> None:
     law = [*BOUNCES, (BOUNCES[1][0] + 2 * 1.45 / 9.80665, 1.45, 1.1)]
     flights = fit_flights(parabolas(np.random.default_rng(6), law, 1.15), start(law), known())
