@@ -22,10 +22,10 @@ import numpy as np
 
 from analysis.balls.analysis import AnalysedFilm, FilmJob, analyse_film
 from analysis.balls.films.reading import film_of_shot
-from analysis.balls.flight.budget import budget
 from analysis.balls.flight.known import DRAG_COEFFICIENT, Ball
 from analysis.balls.measuring import coefficient
 from analysis.errors import ShotRefusedError
+from benchmarks.balls.budget import budget
 from benchmarks.balls.filming import PLAIN, Scene, Truth, World, film
 from benchmarks.balls.scenes import KINDS, scene
 from benchmarks.balls.truths import aligned_off

@@ -14,8 +14,7 @@ from analysis.balls.films.film import Film, FilmHead
 from analysis.balls.films.part import Cut, PartOfFilm
 from analysis.balls.films.reading import open_film
 from analysis.balls.flight.known import Ball
-from analysis.balls.lens.lens import Lens
-from analysis.balls.lens.straight import StraightFilm
+from analysis.balls.lens.lens import Lens, StraightFilm
 from analysis.balls.measuring import MeasuredBall, measure_ball
 from analysis.balls.remarks import remarks
 from analysis.errors import ShotRefusedError

@@ -16,7 +16,7 @@ from analysis.balls.flight.flights import Flights, Observed, Start
 from analysis.balls.flight.known import Ball, Known, View
 from analysis.balls.searching import Search, search
 from analysis.balls.seen.arcs import Arc, Chain
-from analysis.balls.seen.letting_go import rests
+from analysis.balls.seen.free_fall import rests
 from analysis.balls.seen.looks import Looks
 from analysis.balls.seen.placing import Placed, Placer
 from analysis.balls.seen.windows import Motion, Seen, Window, cut_windows
@@ -263,7 +263,7 @@ def _start(found: Search) -> Start:
 
 
 def coefficient(measured: MeasuredBall, bounce: int) -> tuple[float, float]:
-    """Return e of a bounce and its standard error; `flight.budget` says what it consists of."""
+    """Return e of a bounce and its standard error; `benchmarks.balls` prints its parts."""
     flights = measured.flights
     if flights is None:
         return math.nan, math.inf

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,24 +13,21 @@ from analysis.balls.discs.finding import Disc, find_balls
 from analysis.balls.films.fields import refuse_combed
 from analysis.balls.films.film import Film, FilmHead, Picture, spread_frames
 from analysis.balls.flight.known import Ball
-from analysis.balls.seen.arcs import Chain, Sightings, chains, find_arcs
-from analysis.balls.seen.background import background
-from analysis.balls.seen.bending import STEADY_RADII, agreeing, falls, flying
-from analysis.balls.seen.exposures import Brightness, evened, some_pixels
-from analysis.balls.seen.joining import joined
-from analysis.balls.seen.letting_go import flown
+from analysis.balls.seen.arcs import Chain, Sightings, chains, find_arcs, joined
+from analysis.balls.seen.background import Brightness, background, evened, some_pixels
+from analysis.balls.seen.free_fall import STEADY_RADII, agreeing, falls, flown, flying
 from analysis.balls.seen.looks import (
     LEAST_RADIUS_PX,
     LEAST_SHARE,
     MOST_SHARE,
     Looks,
+    Sight,
     families,
     find_discs_that_move,
     looks_of,
     noise_of,
     weight,
 )
-from analysis.balls.seen.sightings import Sight
 from analysis.balls.seen.surroundings import Surroundings
 from analysis.balls.seen.turning import turning_ball
 from analysis.errors import ShotRefusedError, counted
@@ -322,3 +319,22 @@ def _way(seen: Sightings, looks: Looks) -> str:
     if across > 2 * down and across > STEADY_RADII * looks.radius_px:
         return f"the ball rolls or slides: {span}"
     return f"the ball does not fall freely, as if it were held or carried: {span}"
+
+
+def rings(pictures: Mapping[int, Picture]) -> dict[int, Disc]:
+    """Return the surest disc of the size that is seen most surely, by frame.
+
+    Parameters
+    ----------
+    pictures
+        Some frames of a film, shape (rows, columns, channels), with their numbers. What differs
+        from what most of them show is looked at; a frame without such a disc is left out.
+    """
+    samples = dict(pictures)
+    ground = background(list(samples.values()))
+    noise = noise_of(list(samples.values()), ground)
+    sizes = families(find_discs_that_move(samples, ground, noise, radii_px(ground)))
+    if not sizes:
+        return {}
+    # Of each frame the surest disc comes first.
+    return dict(reversed(sizes[0]))

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.balls.films.frames import read_frames
-from analysis.balls.films.photron import FRAMES_SUFFIX, HEADER_SUFFIXES
+from analysis.balls.films.high_speed import FRAMES_SUFFIX, HEADER_SUFFIXES
 from analysis.campaign import DESCRIPTION, FRAMES, POSES, SHOT_LIST, frames_of
 from analysis.errors import InputError
 from analysis.exchange.contact_table import read_contacts

@@ -22,8 +22,8 @@ from analysis.balls.document import ball_document
 from analysis.balls.films.film import FilmHead, Picture
 from analysis.balls.films.part import Cut
 from analysis.balls.films.reading import open_film
-from analysis.balls.first_look import rings
 from analysis.balls.flight.known import AIR_DENSITY, UNKNOWN_DENSITY, Ball
+from analysis.balls.searching import rings
 from analysis.errors import InputError, ShotRefusedError
 from analysis.exchange.folder import write_ball_poses
 from analysis.exchange.pose_table import PoseRow

@@ -11,10 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.arrays import Floats, Singles
-from analysis.balls.discs.gradient import SIGMA_PX, Gradient, gradient
-from analysis.balls.discs.judging import LEAST_SECTORS, PASSES, false_alarms, fit_circle
-from analysis.balls.discs.refining import CORRELATED, refined, with_rim
-from analysis.balls.discs.votes import RADIUS_STEP, candidates
+from analysis.balls.discs.gradient import RADIUS_STEP, SIGMA_PX, Gradient, candidates, gradient
+from analysis.balls.discs.judging import (
+    CORRELATED,
+    LEAST_SECTORS,
+    PASSES,
+    false_alarms,
+    fit_circle,
+    refined,
+    with_rim,
+)
 
 SEARCH_RADIUS_PX = 12.5
 """Larger discs are sought in a smaller picture, where their radius is one to two of these."""

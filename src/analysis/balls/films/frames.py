@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from analysis.arrays import Floats
 from analysis.balls.films.film import Film
-from analysis.balls.films.photron import HEADER_SUFFIXES
+from analysis.balls.films.high_speed import HEADER_SUFFIXES
 from analysis.balls.films.reading import FILM_SUFFIXES, VIDEO_SUFFIXES, open_film
 from analysis.balls.films.stacks import RAW_SUFFIX
 from analysis.balls.films.tone import BRIGHTNESS

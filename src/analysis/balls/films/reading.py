@@ -1,23 +1,121 @@
-"""Any film: which reader a file or a folder needs."""
+"""Any film: which reader a file or a folder needs; video files with the times of their frames."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
+from typing import cast
 
-from analysis.balls.films.cine import CineFilm
-from analysis.balls.films.film import Film
-from analysis.balls.films.photron import FRAMES_SUFFIX, HEADER_SUFFIXES, PhotronFilm
-from analysis.balls.films.stacks import (
-    TIFF_SUFFIXES,
-    PictureFolder,
-    PictureStack,
-    read_npy_frames,
-)
-from analysis.balls.films.video import VideoFilm
-from analysis.errors import InputError
+import cv2
+import numpy as np
+from cv2.typing import MatLike
+
+from analysis.arrays import Floats
+from analysis.balls.films.film import HELD_BYTES, Film, FilmHead, Picture, Readout, spread_frames
+from analysis.balls.films.high_speed import FRAMES_SUFFIX, HEADER_SUFFIXES, CineFilm, PhotronFilm
+from analysis.balls.films.stacks import TIFF_SUFFIXES, PictureFolder, PictureStack, read_npy_frames
+from analysis.errors import InputError, counted
+from analysis.files import FrameBudget
 from analysis.imaging.files.png_files import SUFFIX as PNG_SUFFIX
 from analysis.imaging.files.png_files import refuse_single
 from analysis.imaging.files.tiff_file import read_tiff
+from analysis.imaging.files.video_file import open_video
+
+MOST_FRAMES = 1_000_000
+GREY_TOLERANCE = 2
+"""Codecs that store colour bring grey back to within this many levels between channels."""
+UNEVEN = 1e-3
+"""Frames whose distances in time differ by more than this share have no single rate."""
+
+
+class VideoFilm(Film):
+    """A video that OpenCV's decoders open; its frames are read one after another.
+
+    Raises
+    ------
+    InputError
+        No decoder opens it, it ends before its container says, or it holds no frame.
+    """
+
+    def __init__(self, path: Path) -> None:
+        video = open_video(path)
+        try:
+            rate = float(video.get(cv2.CAP_PROP_FPS))
+            turned = round(float(video.get(cv2.CAP_PROP_ORIENTATION_META))) % 180 != 0
+            stated = round(float(video.get(cv2.CAP_PROP_FRAME_COUNT)))
+            _, first = video.read()
+            if first is None:
+                raise InputError(path, "holds no frame that can be read")
+            FrameBudget(path).claim(first.shape)
+            blue, green, red = cv2.split(first)
+            pairs = ((blue, green), (green, red), (red, blue))
+            self._grey = all(cv2.absdiff(*pair).max() <= GREY_TOLERANCE for pair in pairs)
+            times = [float(video.get(cv2.CAP_PROP_POS_MSEC))]
+            known = {0: self._plain(first)}
+            every = stated * known[0].nbytes <= HELD_BYTES
+            wanted = set(spread_frames(max(stated, 1), known[0].nbytes))
+            while len(times) < MOST_FRAMES and video.grab():
+                if len(times) in wanted or (every and len(times) < stated):
+                    known[len(times)] = self._plain(video.retrieve()[1])
+                times.append(float(video.get(cv2.CAP_PROP_POS_MSEC)))
+        finally:
+            video.release()
+        notes = []
+        if 0 < stated != len(times):
+            have = f"{counted(len(times), 'frame')} can be read, the container counts {stated}"
+            notes.append(f"{have}: the rest is missing or damaged")
+        readout: Readout = "columns" if turned else "rows"
+        super().__init__(
+            path,
+            FilmHead(
+                frames=len(times),
+                height=first.shape[0],
+                width=first.shape[1],
+                channels=1 if self._grey else 3,
+                times_s=_seconds(np.array(times), rate),
+                rate_hz=rate if rate > 0 else None,
+                encoded=True,
+                compressed=True,
+                readout=readout,
+                notes=tuple(notes),
+            ),
+        )
+        self._read_before = known
+        if len(known) == len(times):
+            self._held = [known[k] for k in range(len(times))]
+
+    def _plain(self, picture: MatLike) -> Picture:
+        """Return a picture of one channel where the film has no colours."""
+        own = picture[:, :, 1:2] if self._grey else picture
+        return cast("Picture", np.ascontiguousarray(own))
+
+    def _read(self) -> Iterator[Picture]:
+        video = open_video(self.path)
+        try:
+            for _ in range(self.head.frames):
+                whole, picture = video.read()
+                if not whole:
+                    return
+                yield self._plain(picture)
+        finally:
+            video.release()
+
+
+def _seconds(milliseconds: Floats, rate: float) -> Floats | None:
+    """Return recorded times in s; None where they do not increase.
+
+    Containers round times, some to a millisecond: those of one rate are put on it.
+    """
+    times = 1e-3 * (milliseconds - milliseconds[0])
+    if len(times) < 2 or not np.all(np.diff(times) > 0):
+        return None
+    count = np.arange(len(times))
+    step = (times[-1] - times[0]) / (len(times) - 1)
+    if np.abs(times - step * count).max() < 1.1e-3:
+        even = 1.0 / rate if rate > 0 and abs(step * rate - 1.0) < UNEVEN else step
+        return np.asarray(even * count)
+    return np.asarray(times)
+
 
 VIDEO_SUFFIXES = (".avi", ".mkv", ".mp4", ".mov", ".m4v", ".webm")
 CINE_SUFFIX = ".cine"

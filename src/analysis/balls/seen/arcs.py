@@ -1,7 +1,8 @@
 """Pieces of free flight in what looks like a ball, and the chain of them that bounces make.
 
 A ball may move by many radii from frame to frame: sightings belong together where one free fall
-goes through them, not where they are near.
+goes through them, not where they are near. A flight that goes on above or beside the picture is one
+arc.
 """
 
 from __future__ import annotations
@@ -221,3 +222,80 @@ def _meeting(a: Arc, b: Arc, radius_px: float, fall: Floats) -> tuple[float, Flo
     if float(np.hypot(*apart)) > 1.5 * radius_px:
         return None
     return time, place_a + velocity_a * shift + 0.5 * fall * shift**2
+
+
+LEAST_WHOLE = 4
+"""Sightings on each side of the gap in which the ball is wholly in the picture."""
+LEAST_AWAY = 3
+"""Frames that a ball is out of the picture; a shorter gap is none to the search for arcs."""
+
+LEAST_BEND, MOST_BEND = 0.5, 2.0
+"""Of a fall's bend: what two pieces of one flight have together."""
+
+
+def joined(
+    arcs: Sequence[Arc], radius_px: float, fall: Floats, shape: tuple[int, int]
+) -> list[Arc]:
+    """Return arcs in order of time, those put together through which one free fall goes.
+
+    Parameters
+    ----------
+    fall
+        Free fall in the picture, (row, column) in px/s^2.
+    shape
+        Rows and columns of the picture.
+    """
+    found: list[Arc] = []
+    for arc in arcs:
+        before = next(
+            (k for k, a in enumerate(found) if _one(a, arc, radius_px, fall, shape)), None
+        )
+        if before is None:
+            found.append(arc)
+            continue
+        a = found[before]
+        found[before] = Arc(
+            np.concatenate([a.frames, arc.frames]),
+            np.concatenate([a.times_s, arc.times_s]),
+            np.concatenate([a.places, arc.places]),
+            a.strength + arc.strength,
+        )
+    return sorted(found, key=lambda arc: float(arc.times_s[0]))
+
+
+def _one(a: Arc, b: Arc, radius_px: float, fall: Floats, shape: tuple[int, int]) -> bool:
+    """Return whether one fall goes through both, with nothing or the picture's border between."""
+    missed = int(b.frames[0] - a.frames[-1])
+    if missed < 1:
+        return False
+    # Of a ball that is partly outside something else than its centre is seen.
+    whole_a, whole_b = (_inside(arc.places, radius_px, shape) for arc in (a, b))
+    if min(whole_a.sum(), whole_b.sum()) < LEAST_WHOLE:
+        return False
+    times = np.concatenate([a.times_s[whole_a][-MEMORY:], b.times_s[whole_b][:MEMORY]])
+    places = np.concatenate([a.places[whole_a][-MEMORY:], b.places[whole_b][:MEMORY]])
+    middle = float(times.mean())
+    gone = times - middle
+    design = np.stack([np.ones_like(gone), gone, 0.5 * gone**2], axis=1)
+    # A ball that drifts keeps its speed across: only its rows bend.
+    row = np.linalg.lstsq(design, places[:, 0], rcond=None)[0]
+    column = np.linalg.lstsq(design[:, :2], places[:, 1], rcond=None)[0]
+    course = np.stack([design @ row, design[:, :2] @ column], axis=1)
+    tolerance = TOLERANCE_RADII * radius_px + TOLERANCE_PX
+    if np.hypot(*(places - course).T).max() > tolerance:
+        return False
+    bend = float(row[2] / fall[0])
+    if missed <= LEAST_AWAY:
+        # Sightings jump where the ground behind the ball changes; a bounce bends the other way.
+        return LEAST_BEND < bend < MOST_BEND
+    if abs(bend - 1.0) > FALL_SIGMA:
+        return False
+    away = 0.5 * (a.times_s[-1] + b.times_s[0]) - middle
+    at = row @ [1.0, away, 0.5 * away**2], column @ [1.0, away]
+    return not _inside(np.array([at]), radius_px, shape)[0]
+
+
+def _inside(places: Floats, radius_px: float, shape: tuple[int, int]) -> NDArray[np.bool_]:
+    """Return where a ball is wholly in the picture."""
+    low, high = places.min(axis=1), (np.array(shape) - places).min(axis=1)
+    return np.asarray((low > radius_px) & (high > radius_px))

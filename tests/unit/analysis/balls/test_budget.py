@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from analysis.balls.flight.budget import budget
 from analysis.balls.flight.fit import fit_flights
 from analysis.balls.flight.flights import Flights, Observed, Start
 from analysis.balls.flight.known import LEVEL_SIGMA, Ball, Known, View
+from benchmarks.balls.budget import budget
 
 SCALE, FALL, PLATE, RATE = 1000.0, 9806.65, 400.0, 500.0
 CONTACT_S, DOWN, UP = 0.2, 2.0, 1.6

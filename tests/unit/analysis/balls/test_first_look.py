@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from analysis.balls.films.film import Picture
-from analysis.balls.first_look import rings
+from analysis.balls.searching import rings
 
 RADIUS = 14.0
 PLACES = {0: (40.0, 30.0), 9: (60.5, 52.0), 18: (90.0, 75.25), 27: (60.0, 98.0), 36: (95.0, 121.5)}

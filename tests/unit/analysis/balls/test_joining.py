@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.balls.seen.arcs import Arc
-from analysis.balls.seen.joining import joined
+from analysis.balls.seen.arcs import Arc, joined
 
 Floats = NDArray[np.float64]
 

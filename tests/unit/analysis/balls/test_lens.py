@@ -12,8 +12,7 @@ import pytest
 from analysis.balls.films.reading import open_film
 from analysis.balls.lens.board import Board
 from analysis.balls.lens.calibration import LensCalibration, calibrate_lens
-from analysis.balls.lens.lens import Lens, read_lens, write_lens
-from analysis.balls.lens.straight import StraightFilm
+from analysis.balls.lens.lens import Lens, StraightFilm, read_lens, write_lens
 from analysis.errors import InputError
 from tests.unit.analysis.balls.boards import TrueLens, charuco, chessboard, filmed
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from analysis.balls.seen.looks import Looks
-from analysis.balls.seen.sightings import Sight
+from analysis.balls.seen.looks import Looks, Sight
 
 RADIUS, SHAPE = 14.0, (300, 400)
 BALL, STILL = 180.0, 60.0
