@@ -45,8 +45,14 @@ class Drift:
 
     def covariance(self, times_s: Floats) -> Floats:
         """Return its covariance between frames, shape (frames, frames)."""
-        gap = np.abs(times_s[:, None] - times_s[None, :])
-        return np.asarray(self.sigma**2 * np.exp(-gap / self.correlation_time_s))
+        return self._after(np.abs(times_s[:, None] - times_s[None, :]))
+
+    def between_neighbours(self, times_s: Floats) -> Floats:
+        """Return its covariance between each frame and the next, shape (frames - 1,)."""
+        return self._after(np.diff(times_s))
+
+    def _after(self, gap_s: Floats) -> Floats:
+        return np.asarray(self.sigma**2 * np.exp(-gap_s / self.correlation_time_s))
 
 
 def line_variances(lengths: Floats) -> tuple[Floats, Floats]:

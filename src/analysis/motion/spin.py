@@ -17,6 +17,9 @@ from analysis.motion.turning import turn_between, turn_slopes, turned
 
 ITERATIONS, SETTLED_RAD = 8, 1e-10
 HUBER_LIMIT = 3.0
+MOST_LASTING = 3.0
+"""What lasts in the residuals, squared, may be this many times what the slow error leaves in them:
+of a flight of few correlation times it scatters by as much."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,7 +48,9 @@ def fit_spin(times_s: Floats, rotations: Floats, covariances: Floats, drift: Dri
     R_observed R_predicted', whitened, with Huber weights. A small turn d is seen turned with the
     sphere, so that slopes change along a flight (`turning.turn_slopes`). A free sphere has no
     torque on it but that of the air, which is negligible here. The covariance is enlarged where the
-    residuals contradict their stated errors (`birge.variance_ratio`).
+    residuals contradict their stated errors (`birge.variance_ratio`), and its slow part where what
+    neighbouring residuals have in common is far more than the slow error leaves in them: a marker
+    in a wrong place wanders through all frames that show it.
 
     Parameters
     ----------
@@ -67,14 +72,52 @@ def fit_spin(times_s: Floats, rotations: Floats, covariances: Floats, drift: Dri
     omega = np.median(steps / np.diff(times_s)[:, None], axis=0)
     start = turned(-omega * tau[middle], start)
     inverse, squares, weight = settle_spin((tau, rotations, whiten), start, omega)
-    jacobian = whiten @ np.array([turn_slopes(omega, time) for time in tau])
+    slopes = np.array([turn_slopes(omega, time) for time in tau])
+    jacobian = whiten @ slopes
     across = jacobian.transpose(0, 2, 1)
     freedom = 3 * len(tau) - 6
     chi2 = float(squares.sum() / freedom) if freedom else float("nan")
     gain = inverse @ (weight[:, None, None] * across) @ whiten
-    slow = np.tensordot(gain, np.tensordot(drift.covariance(times_s), gain, 1), ((0, 2), (0, 2)))
+    passed_on = np.tensordot(drift.covariance(times_s), gain, 1)
+    slow = np.tensordot(gain, passed_on, ((0, 2), (0, 2)))
     fresh = inverse * variance_ratio(squares.sum(), freedom)
-    return Spin(omega, (fresh + slow)[3:, 3:], chi2)
+    predicted = np.array([turned(omega * time, start) for time in tau])
+    residuals = rotation_vector(rotations @ predicted.transpose(0, 2, 1))
+    left = drift.between_neighbours(times_s), passed_on, slow
+    lasting = _lasting(residuals, (slopes, whiten), left)
+    return Spin(omega, (fresh + lasting * slow)[3:, 3:], chi2)
+
+
+def _lasting(
+    residuals: Floats, seen: tuple[Floats, Floats], left: tuple[Floats, Floats, Floats]
+) -> float:
+    """Return by how much the variance of the slow error is enlarged: 1 where it explains the rest.
+
+    Fresh errors of neighbouring frames have nothing in common, so that the mean of the products of
+    their residuals is that of the slow error alone, less what the fit has taken of it.
+
+    Parameters
+    ----------
+    residuals
+        Rotation vectors, rad, shape (frames, 3).
+    seen
+        Derivatives of orientations to what is fitted, shape (frames, 3, 6), and what whitens their
+        errors, shape (frames, 3, 3).
+    left
+        Covariance of the slow error between each frame and the next, shape (frames - 1,), of it
+        and of what is fitted, shape (frames, 6, 3), and of what is fitted by it, shape (6, 6).
+    """
+    slopes, whiten = seen
+    between, passed_on, slow = left
+    if not between.any():
+        return 1.0
+    white = (whiten @ residuals[..., None])[..., 0]
+    common = float((white[1:] * white[:-1]).sum())
+    here, ahead = slopes[:-1], slopes[1:].transpose(0, 2, 1)
+    kept = between[:, None, None] * np.eye(3) - here @ passed_on[1:]
+    kept = kept - passed_on[:-1].transpose(0, 2, 1) @ ahead + here @ slow @ ahead
+    expected = float(((whiten[:-1] @ kept) * whiten[1:]).sum())
+    return common / expected if common > MOST_LASTING * expected > 0.0 else 1.0
 
 
 @compiled

@@ -75,6 +75,24 @@ def test_a_slow_error_is_in_the_covariance() -> None:
     np.testing.assert_allclose(stated, np.std(found, axis=0), rtol=0.2)
 
 
+def test_a_slow_error_far_larger_than_stated_is_seen_in_what_neighbouring_frames_share() -> None:
+    stated, true = Drift(0.002, 5e-3), Drift(0.02, 5e-3)
+    times = np.arange(40) * 1e-3
+    rng, rotations = np.random.default_rng(5), turned(times=times)
+    covariances = np.tile(np.diag(np.full(3, 0.003) ** 2), (40, 1, 1))
+    root = np.linalg.cholesky(true.covariance(times))
+    pulls = []
+    for size in [1.0, 0.1] * 40:
+        slow = Rotation.from_rotvec(size * root @ rng.standard_normal((40, 3))).as_matrix()
+        seen = slow @ shaken(rng, rotations, np.full(3, 0.003))
+        spin = fit_spin(times, seen, covariances, stated)
+        pulls.append((spin.velocity - OMEGA) / np.sqrt(np.diag(spin.covariance)))
+    wandering, as_stated = np.sqrt(np.square(pulls).reshape(40, 2, 3).mean(axis=(0, 2)))
+    # Ten times the error in every second flight, which would be off by ten of its errors.
+    assert 0.7 < wandering < 1.6
+    assert 0.8 < as_stated < 1.2
+
+
 def test_one_wrong_orientation_does_not_turn_the_spin() -> None:
     rng = np.random.default_rng(6)
     rotations = shaken(rng, turned(), SIGMA)
