@@ -19,7 +19,7 @@ from pathlib import Path
 WORK = """
 import json, sys
 from pathlib import Path
-from rigctl.reanalysis.work import analysed, taught
+from rigctl.reanalysis.campaign import analysed, taught
 folders, method = json.loads(sys.stdin.readline())
 folders = [Path(folder) for folder in folders]
 known = taught(folders[:3]) if method == "photometric" else None

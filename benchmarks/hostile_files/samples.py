@@ -22,8 +22,12 @@ from analysis.exchange.impact_table import read_impacts
 from analysis.exchange.pose_table import each_shot, read_poses
 from analysis.exchange.shot_list import read_shot_list
 from analysis.imaging.files.stack import read_stack
-from analysis.photometric.learn.appearance import Appearance, Sphere
-from analysis.photometric.learn.record import read_knowledge, write_knowledge
+from analysis.photometric.learn.appearance import (
+    Appearance,
+    Sphere,
+    read_knowledge,
+    write_knowledge,
+)
 from analysis.photometric.render.camera import camera_of
 from rigctl import challenge
 from rigctl.cameras import capture_folder

@@ -12,7 +12,6 @@ from analysis.compiled import kept_on_disk
 from analysis.errors import ShotRefusedError
 from analysis.imaging.edge.frame import noise_sd
 from analysis.photometric.follow.confirmation import shown_shares
-from analysis.photometric.follow.dead_lines import filled
 from analysis.photometric.follow.film import (
     Film,
     cost_of,
@@ -23,11 +22,11 @@ from analysis.photometric.follow.film import (
 )
 from analysis.photometric.follow.first_tracking import first_tracking
 from analysis.photometric.follow.following import Follower
-from analysis.photometric.follow.moving_part import moving_part
 from analysis.photometric.follow.start import LEAST_DARKNESS, first_film
+from analysis.photometric.follow.votes import moving_part
 from analysis.photometric.learn.appearance import Appearance
 from analysis.photometric.learn.learning import extended, learn, learn_together
-from analysis.photometric.render.background import first_background
+from analysis.photometric.render.background import filled, first_background
 from analysis.photometric.render.pose import fit_frames
 from analysis.photometric.result import tracking_of
 from analysis.photometric.slow_size import sized

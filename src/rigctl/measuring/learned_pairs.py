@@ -50,7 +50,7 @@ class LearnedPairs:
         if path in self._held and self._held[path][0] == stamp:
             return self._held[path][1]
         # Loading compiled functions is slow.
-        from analysis.photometric.learn.record import read_knowledge  # noqa: PLC0415
+        from analysis.photometric.learn.appearance import read_knowledge  # noqa: PLC0415
 
         try:
             known = read_knowledge(path)
@@ -68,7 +68,7 @@ class LearnedPairs:
         OSError
             It cannot be written.
         """
-        from analysis.photometric.learn.record import write_knowledge  # noqa: PLC0415
+        from analysis.photometric.learn.appearance import write_knowledge  # noqa: PLC0415
 
         path = self._path(campaign, setup)
         self._folder.mkdir(exist_ok=True)

@@ -1,24 +1,28 @@
-"""From folders to a catalogue: all of it in one transaction, or none."""
+"""From folders, read without a catalogue, to a catalogue: all of it in one transaction, or none."""
 
 from __future__ import annotations
 
+import json
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any, TypeVar
 
 from sqlalchemy import ColumnElement, Connection, Table, insert, update
 
 from rigctl.documents import Json
-from rigctl.errors import CatalogueLostError, NotFoundError, RefusedError, StoreError
+from rigctl.errors import CatalogueLostError, NotFoundError, RefusedError, RigError, StoreError
+from rigctl.rebuilding import fired
 from rigctl.rebuilding.fired import FiredShot
-from rigctl.rebuilding.found import Found, look
-from rigctl.rebuilding.imported import ImportedCampaign
+from rigctl.rebuilding.imported import ImportedCampaign, from_folder
 from rigctl.settings import ShotSettings
+from rigctl.store.folders import ShotFolders
 from rigctl.store.imports import add_rows
 from rigctl.store.integrity import chain, ledger
 from rigctl.store.integrity.seal import Seal, new_seal, read_seal
+from rigctl.store.orders import Orders
 from rigctl.store.ownership import owned
 from rigctl.store.sql.database import Database
 from rigctl.store.sql.opened import open_catalogue
@@ -34,6 +38,51 @@ from rigctl.store.sql.schema import (
 )
 from rigctl.store.states import Fired, ShotState
 from rigctl.store.sweep_states import StepState, SweepState
+
+T = TypeVar("T")
+
+_UNREADABLE = (RigError, OSError, ValueError, KeyError, TypeError, AttributeError)
+
+
+@dataclass(slots=True)
+class Found:
+    """What lies in a store's folder."""
+
+    shots: list[FiredShot] = field(default_factory=list)
+    imports: list[ImportedCampaign] = field(default_factory=list)
+    sweeps: list[dict[str, Any]] = field(default_factory=list)
+    unreadable: list[str] = field(default_factory=list)
+
+
+def look(root: Path) -> Found:
+    """Read all that a catalogue can be built from; what cannot be read is named."""
+    folders, found = ShotFolders(root), Found()
+    orders = Orders(folders)
+    for day in folders.days():
+        if day.name.startswith("i"):
+            _take(found, found.imports, day, from_folder)
+            continue
+        for name in fired.names(day):
+            _take(found, found.shots, day / name, lambda path: _ended(folders, path))
+    ended = {str(shot.row["id"]) for shot in found.shots}
+    for name in sorted(set(orders.all()) - ended):
+        _take(found, found.shots, Path(name), lambda path: fired.from_order(orders.read(path.name)))
+    for path in sorted((root / "sweeps").glob("*.json")):
+        _take(found, found.sweeps, path, lambda path: dict(json.loads(path.read_bytes())))
+    found.shots.sort(key=lambda shot: shot.number)
+    return found
+
+
+def _ended(folders: ShotFolders, path: Path) -> FiredShot:
+    return fired.from_manifest(folders, path.name)
+
+
+def _take(found: Found, into: list[T], where: Path, read: Callable[[Path], T]) -> None:
+    try:
+        into.append(read(where))
+    except _UNREADABLE as error:
+        found.unreadable.append(f"{where}: {error}")
+
 
 Rows = list[dict[str, object]]
 

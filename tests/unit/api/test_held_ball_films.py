@@ -11,7 +11,7 @@ import pytest
 import rigctl
 from analysis.balls.analysis import FilmJob
 from analysis.exchange.shot_list import EXCLUDED, ShotRow
-from rigctl.api import ball_films
+from rigctl.api import opening
 from rigctl.api.shots import Shots
 from rigctl.measuring.ball_films import BallFilms
 from rigctl.measuring.own_film import stated_ball
@@ -68,11 +68,11 @@ def measured(
     monkeypatch: pytest.MonkeyPatch, documents: list[dict[str, Any]], excluded: int | None = None
 ) -> tuple[Shots, Any]:
     """Return the shots of films that these documents are the results of, and their data."""
-    monkeypatch.setattr(ball_films, "_measured", lambda job: documents[job.shot - 1])
+    monkeypatch.setattr(opening, "_measured", lambda job: documents[job.shot - 1])
     numbers = range(1, len(documents) + 1)
     jobs = [FilmJob(k, Path(f"none-{k}.mp4"), stated_ball(40.0, 2.7), 240.0) for k in numbers]
     rows = [ShotRow(k, None, {}, {EXCLUDED: "yes"} if k == excluded else {}) for k in numbers]
-    found = ball_films.FilmedBall(BallFilms("drops", jobs, rows)).measured(None)
+    found = opening.FilmedBall(BallFilms("drops", jobs, rows)).measured(None)
     return Shots("drops", found), found.data
 
 
@@ -116,10 +116,10 @@ def test_a_corrected_header_of_a_photron_film_is_another_film(tmp_path: Path) ->
     keys = set()
     for text in ("<recordRate>1000</recordRate>", "<recordRate>2000</recordRate>"):
         header.write_text(text, "utf-8")
-        keys |= {ball_films._key(FilmJob(1, one, stated_ball(40.0, None))) for one in (raw, header)}
+        keys |= {opening._key(FilmJob(1, one, stated_ball(40.0, None))) for one in (raw, header)}
     assert len(keys) == 4
     raw.write_bytes(b"others")
-    assert ball_films._key(FilmJob(1, header, stated_ball(40.0, None))) not in keys
+    assert opening._key(FilmJob(1, header, stated_ball(40.0, None))) not in keys
 
 
 def test_films_of_unlike_balls_are_refused_and_both_named(tmp_path: Path) -> None:
@@ -146,7 +146,7 @@ def test_a_folder_of_loose_films_with_a_plate_s_set_up_is_its_films(
     for name in ("a.avi", "b.avi"):
         (films / name).write_bytes(b"film")
     (tmp_path / "plate.toml").write_text(TABLES.format(diameter_m=0.04), "utf-8")
-    monkeypatch.setattr(ball_films, "_measured", lambda _: bounce())
+    monkeypatch.setattr(opening, "_measured", lambda _: bounce())
     shots = rigctl.open(films, setup=tmp_path / "plate.toml").measure()
     assert list(shots.table()["shot"]) == [101, 201]
     assert shots.name == "drops"

@@ -12,7 +12,7 @@ import pytest
 FAULTS = """
 import resource
 import numpy as np
-from rigctl.reanalysis.work import keep_memory
+from rigctl.reanalysis.campaign import keep_memory
 {before}
 np.ones(100_000)
 before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt

@@ -14,7 +14,7 @@ import pytest
 
 from rigctl.measuring.analysing import AnalysisFailedError
 from rigctl.reanalysis import Pool, pool, reanalyse_campaign
-from rigctl.reanalysis.work import Broken
+from rigctl.reanalysis.campaign import Broken
 from rigctl.store import Store
 from tests.unit.reanalysis.stored_campaign import Inline, measured, reanalysed, silent, stored
 

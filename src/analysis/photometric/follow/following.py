@@ -11,12 +11,11 @@ from analysis.imaging.discs import Disc, pair_apart, vote_radii
 from analysis.imaging.flight_hypotheses import Falling
 from analysis.imaging.views import View
 from analysis.motion.turning import turn_between, turned
-from analysis.photometric.follow.by_flights import whereabouts_by_flights
 from analysis.photometric.follow.confirmation import confirmed
 from analysis.photometric.follow.film import Film, cost_of, others_of
 from analysis.photometric.follow.orientation_search import Found, search_orientation, turns
 from analysis.photometric.follow.visibility import drop_unseen, seen_as_own
-from analysis.photometric.follow.votes import peak_near, peaks, vote_map
+from analysis.photometric.follow.votes import peak_near, peaks, vote_map, whereabouts_by_flights
 from analysis.photometric.learn.appearance import Appearance
 from analysis.photometric.render.camera import disc_of
 from analysis.photometric.render.pose import fit_frames

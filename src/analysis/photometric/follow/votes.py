@@ -1,8 +1,16 @@
-"""Discs of a known radius in a frame: every strong gradient votes for the centre it points to."""
+"""Where discs of a known pair are: what part of the pictures moves, votes, flights through them.
+
+Background, noise, votes and masks cost a pixel each, wherever it lies; most of a picture of a
+million pixels never shows a sphere. In what is left every strong gradient votes for the centre that
+it points to, and free flights that one contact joins go through the places of many votes.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import product
 
 import cv2
 import numpy as np
@@ -10,6 +18,91 @@ from numpy.typing import NDArray
 
 from analysis.arrays import Floats, Grey
 from analysis.compiled import compiled
+from analysis.imaging.flight_hypotheses import Falling, Flight, above, free_flights, guide, meeting
+from analysis.photometric.learn.appearance import Appearance
+from analysis.photometric.render.camera import Camera
+
+BLOCK_PX, EVERY = 8, 4
+"""Of its rows these are looked at."""
+CHANGES, LEAST_CHANGE = 2.0, 1.0
+"""Mean range of a block that something passes: in that of the median block, and grey levels more.
+Noise alone gives each block the same range within a tenth."""
+MOST_OF_PICTURE = 0.5
+"""A larger part saves less than its cutting costs."""
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A rectangle of a picture: half-open ranges of rows and columns."""
+
+    rows: tuple[int, int]
+    columns: tuple[int, int]
+
+    def of(self, frames: Grey) -> Grey:
+        """Return this part of frames, shape (frames, rows, columns)."""
+        return frames[:, slice(*self.rows), slice(*self.columns)]
+
+    def shown(self, known: Appearance) -> Appearance:
+        """Return a pair as its camera shows it in pixels of this part."""
+        optics = known.camera.optics
+        top, left = self.rows[0], self.columns[0]
+        optics = optics._replace(
+            origins=optics.origins - np.array([top, left]),
+            rows=np.clip(optics.rows - top, 0, self.rows[1] - top),
+            middle=(optics.middle[0] - top, optics.middle[1] - left),
+        )
+        return replace(known, camera=replace(known.camera, optics=optics))
+
+    def whole(self, shown: Appearance, known: Appearance) -> Appearance:
+        """Return a pair that was learned in this part in pixels of the picture `known` is of."""
+        optics = shown.camera.optics
+        optics = optics._replace(
+            origins=optics.origins + np.array([self.rows[0], self.columns[0]]),
+            rows=known.camera.optics.rows,
+            middle=known.camera.optics.middle,
+        )
+        return replace(shown, camera=replace(shown.camera, optics=optics))
+
+
+def moving_part(frames: Grey, known: Appearance) -> Part | None:
+    """Find the part of the pictures that a pair's spheres pass.
+
+    None where nothing moves, or where most of the picture does. The part reaches a diameter
+    beyond what changes: a sphere may be as bright as what is behind it on one side.
+
+    Parameters
+    ----------
+    frames
+        Grey levels, shape (frames, rows, columns).
+    """
+    changing = _changing(frames)
+    if not changing.any():
+        return None
+    radius = max(sphere.radius_m for sphere in known.spheres) * known.camera.optics.scales.max()
+    around = int(np.ceil(2.0 * radius))
+    ranges = []
+    for axis, most in ((1, frames.shape[1]), (0, frames.shape[2])):
+        blocks = np.flatnonzero(changing.any(axis=axis))
+        low = max(0, int(blocks[0]) * BLOCK_PX - around)
+        ranges.append((low, min(most, (int(blocks[-1]) + 1) * BLOCK_PX + around)))
+    (top, bottom), (left, right) = ranges
+    if (bottom - top) * (right - left) > MOST_OF_PICTURE * frames[0].size:
+        return None
+    return Part((top, bottom), (left, right))
+
+
+def _changing(frames: Grey) -> NDArray[np.bool_]:
+    """Return in which blocks of the picture something passes; the last rows may make none."""
+    seen = frames[:, ::EVERY]
+    change = seen.max(axis=0) - seen.min(axis=0)
+    high = BLOCK_PX // EVERY
+    down, across = change.shape[0] // high, change.shape[1] // BLOCK_PX
+    blocks = change[: down * high, : across * BLOCK_PX]
+    means = blocks.reshape(down, high, across, BLOCK_PX).mean(axis=(1, 3))
+    if means.size == 0:
+        return np.zeros((down, across), dtype=np.bool_)
+    return np.asarray(means > CHANGES * np.median(means) + LEAST_CHANGE)
+
 
 Single = NDArray[np.float32]
 
@@ -105,3 +198,62 @@ def peaks(votes: Single, count: int, apart: float) -> list[tuple[float, float, f
         y, x = np.ogrid[: left.shape[0], : left.shape[1]]
         left[(y - i) ** 2 + (x - j) ** 2 < apart**2] = 0.0
     return found
+
+
+MOST_DISCS = 8
+"""Of a size, that a frame is searched for."""
+
+Votes = Sequence[NDArray[np.float32]]
+"""For the centres of discs of one size, of each frame."""
+
+
+def whereabouts_by_flights(
+    votes: tuple[Votes, Votes], radii: tuple[float, float], camera: Camera, falling: Falling
+) -> Floats | None:
+    """Return the centres of a and b, m, shape (2, frames, 3); not a number where they are not seen.
+
+    None where no flights meet.
+
+    Parameters
+    ----------
+    votes
+        For discs of the size of a and of b; the same for spheres alike.
+    radii
+        Of a and b, pixels.
+    """
+    split = int(camera.optics.rows[1, 1]) if len(camera.views) > 1 else 0
+    seen = [_discs(own, radius) for own, radius in zip(votes, radii, strict=True)]
+    flights = [
+        free_flights([own[own[:, 0] >= split] for own in every], radius, falling)
+        for every, radius in zip(seen, radii, strict=True)
+    ]
+    if radii[0] == radii[1]:
+        flights[1] = flights[0]
+    four = meeting((flights[0], flights[1]), radii, falling)
+    if four is None:
+        return None
+    centres = np.full((2, len(falling.times_s), 3), np.nan)
+    for i, places in enumerate(guide(four, falling)):
+        for k in np.flatnonzero(np.isfinite(places[:, 0])):
+            centres[i, k, :2] = camera.at_pixels(0, (places[k, 0], places[k, 1]), 0.0)
+    if len(camera.views) > 1:
+        shift = float(camera.optics.origins[1, 1] - camera.optics.origins[0, 1])
+        for i, flight in _each(four):
+            shown = [own[own[:, 0] < split] for own in seen[i]]
+            own = above(flight, shown, radii[i], shift, falling)
+            if own is not None:
+                for k, place in zip(own.frames, own.places.tolist(), strict=True):
+                    centres[i, k, 2] = -camera.at_pixels(1, tuple(place), 0.0)[0]
+    return centres
+
+
+def _discs(votes: Votes, radius: float) -> list[Floats]:
+    """Return rows and columns of the discs of each frame, shape (discs, 2)."""
+    return [
+        np.array([place[:2] for place in peaks(each, MOST_DISCS, radius)]).reshape(-1, 2)
+        for each in votes
+    ]
+
+
+def _each(four: tuple[tuple[Flight, Flight], tuple[Flight, Flight]]) -> list[tuple[int, Flight]]:
+    return [(i, four[i][n]) for i, n in product((0, 1), (0, 1))]

@@ -18,8 +18,7 @@ from analysis.photometric.follow.film import Film, fit_film, sights_of, take_out
 from analysis.photometric.learn.appearance import NARROWEST_PX, Appearance, Sphere, profiles_of
 from analysis.photometric.learn.marker_search import missed_markers
 from analysis.photometric.learn.relief import add_residuals, changed_relief
-from analysis.photometric.learn.shading_fit import COMMON, shading_equations
-from analysis.photometric.learn.shading_solve import solve_shading
+from analysis.photometric.learn.shading_fit import COMMON, shading_equations, solve_shading
 from analysis.photometric.learn.shared import (
     BENDS,
     Shared,

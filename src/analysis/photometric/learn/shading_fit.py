@@ -1,8 +1,13 @@
-"""The shading of a sphere in each view, fitted to all its frames at once."""
+"""The shading of both spheres in all views, fitted to all frames at once, with radius and blur.
+
+A shift of the disc, its radius, its blur and shading near the limb resemble each other, so they
+are solved together; in turn they would creep towards the solution for ever.
+"""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -22,6 +27,7 @@ from analysis.photometric.render.pixel_rows import (
     lay_pixels,
     pixels_of,
 )
+from analysis.photometric.render.shading import HARMONICS, RADIALS
 from analysis.photometric.render.sight import Equations, Sight, Stance
 
 COMMON = 4
@@ -79,3 +85,93 @@ def shading_equations(
         equations.right[a] += products[size - 1, a]
         for b in range(a + 1):
             equations.normal[a, b] += products[a, b]
+
+
+ALIKE, HIGH = 0.02, 0.1
+"""How far the spheres' coefficients differ, and how large those above order two are, expected as
+a share of the brightness: the same light falls on both, and it is smooth."""
+ORDINARY = 2
+SHIFT_PX, LOG_RADIUS, BLUR_PX = 0.3, 0.02, 0.2
+"""Expected sizes of a correction."""
+
+DEGREE = np.array([RADIALS[j].power + RADIALS[j].height for j, _ in HARMONICS])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Surface:
+    """Solved shading.
+
+    Attributes
+    ----------
+    shading
+        Coefficients, shape (2, V, harmonics).
+    log_radius, log_radius_sigma
+        Correction common to all discs, and its standard error.
+    blur_px
+        Correction of the blur in each view, shape (V,).
+    """
+
+    shading: Floats
+    log_radius: float
+    log_radius_sigma: float
+    blur_px: Floats
+
+
+def solve_shading(normal: Floats, right: Floats, shading: Floats, *, hold_radius: bool) -> Surface:
+    """Solve for the shading of both spheres in all views, one radius and a blur for each view.
+
+    Parameters
+    ----------
+    normal, right
+        Of `shading_fit.shading_equations`, shapes (2, V, n, n) and (2, V, n).
+    shading
+        Present coefficients, shape (2, V, harmonics).
+    """
+    views, harmonics = shading.shape[1:]
+    block = harmonics + 2
+    size = 2 * views * block + 1 + views
+    whole, aim = np.zeros((size, size)), np.zeros(size)
+    for i in (0, 1):
+        for v in range(views):
+            first = (i * views + v) * block
+            at = [*range(first, first + block), size - views - 1, size - views + v]
+            own = normal[i, v] + np.tril(normal[i, v], -1).T
+            whole[np.ix_(at, at)] += own
+            aim[at] += right[i, v]
+    _add_priors(whole, aim, shading, hold_radius=hold_radius)
+    step = np.linalg.solve(whole, aim)
+    radius = size - views - 1
+    variance = np.linalg.inv(whole)[radius, radius]
+    changes = step[: 2 * views * block].reshape(2, views, block)[..., :harmonics]
+    return Surface(
+        shading=shading + changes,
+        log_radius=float(step[radius]),
+        log_radius_sigma=float(np.sqrt(variance)),
+        blur_px=step[radius + 1 :],
+    )
+
+
+def _add_priors(whole: Floats, aim: Floats, shading: Floats, *, hold_radius: bool) -> None:
+    views, harmonics = shading.shape[1:]
+    block = harmonics + COMMON - 2
+    for v in range(views):
+        level = max(float(np.abs(shading[:, v, 0]).max()), 1.0)
+        alike = 1.0 / (ALIKE * level) ** 2
+        high = np.where(DEGREE > ORDINARY, 1.0 / (HIGH * level) ** 2, 1e-6 * alike)
+        a, b = v * block, (views + v) * block
+        for h in range(harmonics):
+            p, q = a + h, b + h
+            apart = shading[0, v, h] - shading[1, v, h]
+            whole[[p, q], [p, q]] += alike
+            whole[[p, q], [q, p]] -= alike
+            aim[p] -= alike * apart
+            aim[q] += alike * apart
+            for at, i in ((p, 0), (q, 1)):
+                whole[at, at] += high[h]
+                aim[at] -= high[h] * shading[i, v, h]
+        for at in (a + harmonics, a + harmonics + 1, b + harmonics, b + harmonics + 1):
+            whole[at, at] += SHIFT_PX**-2
+    radius = len(whole) - views - 1
+    whole[radius, radius] += 1e20 if hold_radius else LOG_RADIUS**-2
+    for v in range(views):
+        whole[radius + 1 + v, radius + 1 + v] += BLUR_PX**-2

@@ -1,4 +1,7 @@
-"""The four steps of the first visit on top of every page, with what to do now."""
+"""The four steps of the first visit on top of every page, with what to do now.
+
+Whether a browser wants them says one cookie, set when it does not.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,6 @@ from enum import Enum, auto
 from nicegui import context, ui
 
 from rigctl.page.desk import Desk
-from rigctl.page.guide.wish import keep, wanted
 from rigctl.page.parts.following import following
 from rigctl.page.parts.keys import list_keys
 from rigctl.page.parts.widgets import button
@@ -18,6 +20,22 @@ from rigctl.page.sweeps.form import form_address
 from rigctl.rig.states import RigState
 from rigctl.rig.status import RigStatus
 from rigctl.store import CampaignRecord, ShotState, SweepState
+
+COOKIE = "rigctl_guide"
+HIDDEN = "hidden"
+YEAR_S = 365 * 86_400
+
+
+def wanted() -> bool:
+    """Say whether the guide is shown on the page that is being built."""
+    return context.client.request.cookies.get(COOKIE) != HIDDEN
+
+
+def keep(*, shown: bool) -> None:
+    """Remember in this browser whether the guide is shown from the next page on."""
+    value, age = ("", 0) if shown else (HIDDEN, YEAR_S)
+    ui.run_javascript(f'document.cookie = "{COOKIE}={value}; path=/; max-age={age}; SameSite=Lax"')
+
 
 ENOUGH = 20
 """So many measured shots of one campaign are compared with the model; fewer seldom tell anything.

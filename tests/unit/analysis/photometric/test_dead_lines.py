@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from analysis.photometric.follow.dead_lines import dead_lines, filled
+from analysis.photometric.render.background import dead_lines, filled
 
 NOISE, SHAPE, RADIUS = 2.0, (72, 96), 18.0
 

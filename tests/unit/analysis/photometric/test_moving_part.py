@@ -9,7 +9,7 @@ import pytest
 
 from analysis.errors import ShotRefusedError
 from analysis.imaging.views import View
-from analysis.photometric.follow.moving_part import moving_part
+from analysis.photometric.follow.votes import moving_part
 from analysis.photometric.method import followed_pair, measure_poses
 from analysis.photometric.teaching import teach
 from simulators.world import Launch, WorldDescription, render_shot

@@ -13,8 +13,12 @@ from hypothesis import strategies as st
 
 from analysis.campaign import THESIS_SETUP
 from analysis.errors import InputError
-from analysis.photometric.learn.appearance import Appearance, Sphere
-from analysis.photometric.learn.record import read_knowledge, write_knowledge
+from analysis.photometric.learn.appearance import (
+    Appearance,
+    Sphere,
+    read_knowledge,
+    write_knowledge,
+)
 from analysis.photometric.render.camera import camera_of
 
 

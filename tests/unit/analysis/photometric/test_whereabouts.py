@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from analysis.photometric.follow.whereabouts import whereabouts
+from analysis.photometric.follow.film import whereabouts
 
 TIMES_S = np.arange(40) * 1e-3
 GRAVITY = 9.8

@@ -27,6 +27,7 @@ from rigctl.page.model.story.answers import (
     is_sure,
     law,
     learnt,
+    others,
     place_learnt,
     size_of,
     worst_of,
@@ -35,7 +36,6 @@ from rigctl.page.model.story.cards import card_of, in_plain
 from rigctl.page.model.story.errors import Unseen
 from rigctl.page.model.story.ghost import ShotFilm
 from rigctl.page.model.story.lead import lead_card
-from rigctl.page.model.story.others import others
 from rigctl.page.model.story.plots import staircase
 from rigctl.page.model.story.preview import plainest
 from rigctl.page.model.story.where import PLACES, WhereItFails, cause_first

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from analysis.model.proposals.hints import HINTS, hint_for
+from analysis.model.proposals.document import HINTS, hint_for
 
 
 @pytest.mark.parametrize(
