@@ -14,9 +14,8 @@ from sqlalchemy import ColumnElement, Connection, Table, insert, update
 
 from rigctl.documents import Json
 from rigctl.errors import CatalogueLostError, NotFoundError, RefusedError, RigError, StoreError
-from rigctl.rebuilding import fired
-from rigctl.rebuilding.fired import FiredShot
-from rigctl.rebuilding.imported import ImportedCampaign, from_folder
+from rigctl.rebuilding import contents
+from rigctl.rebuilding.contents import FiredShot, ImportedCampaign, from_folder
 from rigctl.settings import ShotSettings
 from rigctl.store.folders import ShotFolders
 from rigctl.store.imports import add_rows
@@ -62,11 +61,13 @@ def look(root: Path) -> Found:
         if day.name.startswith("i"):
             _take(found, found.imports, day, from_folder)
             continue
-        for name in fired.names(day):
+        for name in contents.names(day):
             _take(found, found.shots, day / name, lambda path: _ended(folders, path))
     ended = {str(shot.row["id"]) for shot in found.shots}
     for name in sorted(set(orders.all()) - ended):
-        _take(found, found.shots, Path(name), lambda path: fired.from_order(orders.read(path.name)))
+        _take(
+            found, found.shots, Path(name), lambda path: contents.from_order(orders.read(path.name))
+        )
     for path in sorted((root / "sweeps").glob("*.json")):
         _take(found, found.sweeps, path, lambda path: dict(json.loads(path.read_bytes())))
     found.shots.sort(key=lambda shot: shot.number)
@@ -74,7 +75,7 @@ def look(root: Path) -> Found:
 
 
 def _ended(folders: ShotFolders, path: Path) -> FiredShot:
-    return fired.from_manifest(folders, path.name)
+    return contents.from_manifest(folders, path.name)
 
 
 def _take(found: Found, into: list[T], where: Path, read: Callable[[Path], T]) -> None:

@@ -12,11 +12,10 @@ from rigctl.cameras.capture import Capture
 from rigctl.config import CameraSection, Configuration
 from rigctl.devices.roles import Actuators, PowerQuery
 from rigctl.errors import DeviceError, InterlockError, RefusedError, RigError
-from rigctl.rig.adjusting import adjust
 from rigctl.rig.arming import Armed
 from rigctl.rig.bounds import misses, require_within
 from rigctl.rig.clock import SYSTEM_CLOCK, Clock
-from rigctl.rig.conditions import Conditions
+from rigctl.rig.conditions import Conditions, adjust
 from rigctl.rig.firing import ShotRun
 from rigctl.rig.interlocks import Interlock, require
 from rigctl.rig.parts import Bench

@@ -11,29 +11,16 @@ import pytest
 
 import rigctl
 from rigctl import cli
-from tests.unit.cli.falling_ball import DIAMETER_MM, bouncing, write
-
-PLATE = """
-format = 1
-name = "drops"
-[camera]
-frame_rate_hz = 200.0
-width_px = 120
-height_px = 240
-[[spheres]]
-name = "a"
-diameter_m = {diameter_m}
-[[spheres]]
-name = "b"
-plate = true
-"""
+from tests.unit.cli.falling_ball import DIAMETER_MM, ON_A_PLATE, RATE, bouncing, write
 
 
 @pytest.fixture(scope="module")
 def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a campaign's folder with a film of a ball on a plate."""
     home = tmp_path_factory.mktemp("ball")
-    (home / "campaign.toml").write_text(PLATE.format(diameter_m=1e-3 * DIAMETER_MM), "utf-8")
+    (home / "campaign.toml").write_text(
+        ON_A_PLATE.format(diameter_m=1e-3 * DIAMETER_MM, rate_hz=RATE), "utf-8"
+    )
     (home / "shots.csv").write_text("shot,exposure_us\n1,0\n", "utf-8")
     (home / "frames").mkdir()
     write(home / "frames" / "0001", bouncing())

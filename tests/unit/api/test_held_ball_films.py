@@ -15,22 +15,10 @@ from rigctl.api import opening
 from rigctl.api.shots import Shots
 from rigctl.measuring.ball_films import BallFilms
 from rigctl.measuring.own_film import stated_ball
+from tests.unit.cli.falling_ball import ON_A_PLATE
 
 GRAVITY, RESTITUTION, CAME = 9.80665, 0.8, 2.0
-TABLES = """
-format = 1
-name = "drops"
-[camera]
-frame_rate_hz = 240.0
-width_px = 120
-height_px = 240
-[[spheres]]
-name = "a"
-diameter_m = {diameter_m}
-[[spheres]]
-name = "b"
-plate = true
-"""
+DESCRIBED = ON_A_PLATE.format(diameter_m=0.04, rate_hz=240.0)
 
 
 def bounce(sigma_e: float = 0.001, **poses: Any) -> dict[str, Any]:
@@ -126,7 +114,7 @@ def test_films_of_unlike_balls_are_refused_and_both_named(tmp_path: Path) -> Non
     for name, diameter in (("small", 0.02), ("large", 0.04)):
         frames = tmp_path / name / "frames"
         frames.mkdir(parents=True)
-        described = TABLES.format(diameter_m=diameter)
+        described = ON_A_PLATE.format(diameter_m=diameter, rate_hz=240.0)
         (tmp_path / name / "campaign.toml").write_text(described, "utf-8")
         (tmp_path / name / "shots.csv").write_text("shot\n1\n", "utf-8")
         (frames / "0001.mp4").write_bytes(b"film")
@@ -145,7 +133,7 @@ def test_a_folder_of_loose_films_with_a_plate_s_set_up_is_its_films(
     films.mkdir()
     for name in ("a.avi", "b.avi"):
         (films / name).write_bytes(b"film")
-    (tmp_path / "plate.toml").write_text(TABLES.format(diameter_m=0.04), "utf-8")
+    (tmp_path / "plate.toml").write_text(DESCRIBED, "utf-8")
     monkeypatch.setattr(opening, "_measured", lambda _: bounce())
     shots = rigctl.open(films, setup=tmp_path / "plate.toml").measure()
     assert list(shots.table()["shot"]) == [101, 201]
@@ -153,7 +141,7 @@ def test_a_folder_of_loose_films_with_a_plate_s_set_up_is_its_films(
 
 
 def test_a_diameter_that_poses_do_not_need_is_to_be_left_out(tmp_path: Path) -> None:
-    (tmp_path / "campaign.toml").write_text(TABLES.format(diameter_m=0.04), "utf-8")
+    (tmp_path / "campaign.toml").write_text(DESCRIBED, "utf-8")
     (tmp_path / "poses.csv").write_text("", "utf-8")
     with pytest.raises(rigctl.AnalysisInputError, match="leave them out: this holds tables"):
         rigctl.open(tmp_path, ball_diameter_mm=40)

@@ -24,6 +24,22 @@ FINE, BLURRED = 8, 5
 DIAMETER_MM = 2 * RADIUS / FALL * 9806.65
 SIZE = ("--ball-diameter-mm", f"{DIAMETER_MM:.3f}", "--exposure-us", "0")
 
+ON_A_PLATE = """
+format = 1
+name = "drops"
+[camera]
+frame_rate_hz = {rate_hz}
+width_px = 120
+height_px = 240
+[[spheres]]
+name = "a"
+diameter_m = {diameter_m}
+[[spheres]]
+name = "b"
+plate = true
+"""
+"""Set-up of a campaign of films of such a ball."""
+
 
 @lru_cache(maxsize=2000)
 def picture(row: float, column: float = 60.0) -> Drawn:

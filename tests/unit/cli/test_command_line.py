@@ -1,12 +1,9 @@
 from __future__ import annotations
 
-import json
 import subprocess
 import sys
 import tomllib
-from collections.abc import Mapping
 from contextlib import nullcontext
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +12,7 @@ import pytest
 import typer
 
 from rigctl import cli
-from rigctl import client as client_module
 from rigctl import local as local_module
-from rigctl.access.strength import Chosen
 from rigctl.cli.lazy import Command
 from rigctl.cli.rig import shot as shot_module
 from rigctl.cli.rig.shot import rounded, settings_of
@@ -35,12 +30,10 @@ from rigctl.errors import (
     SettingsError,
     StoreError,
 )
-from rigctl.firing import fire_and_wait
-from rigctl.rig.arming import Armed
-from rigctl.service import keyfile
 from rigctl.service.keyfile import ServiceAddress
 from rigctl.service.problems import answer, from_error
 
+SETTINGS = settings_of(None, pressure_a_kpa=40, pressure_b_kpa=40, offset_mm=6, angle_a_deg=None)
 HEAVY = ("numpy", "cv2", "fastapi", "pydantic", "sqlalchemy", "httpx", "rich", "uvicorn", "scipy")
 
 
@@ -213,98 +206,6 @@ def test_without_a_daemon_the_command_says_how_to_start_one(
     assert "rigctl serve" in capsys.readouterr().err
 
 
-class Bench:
-    """A rig whose shot goes through the given states, one for each time it is asked."""
-
-    def __init__(self, states: list[str]) -> None:
-        self._states = states
-        self.fired: list[tuple[str, str, str | None]] = []
-
-    def arm(self, settings: object) -> Armed:
-        return Armed("token", datetime(2026, 1, 31, tzinfo=UTC), 10.0, ("keep clear",))
-
-    def fire(self, token: str, key: str, campaign: str | None) -> str:
-        self.fired.append((token, key, campaign))
-        return "20260131-000001"
-
-    def shot(self, shot: str) -> Mapping[str, Any]:
-        state = self._states.pop(0) if len(self._states) > 1 else self._states[0]
-        return {"shot": shot, "state": state, "failure": None}
-
-    def result(self, shot: str) -> Mapping[str, Any]:
-        return {"e": {"value": 0.74, "sigma": 0.01, "unit": "1"}}
-
-
-def settings() -> Any:
-    return settings_of(None, pressure_a_kpa=40, pressure_b_kpa=40, offset_mm=6, angle_a_deg=None)
-
-
-def test_a_shot_is_fired_once_and_its_measurement_awaited() -> None:
-    bench = Bench(["accepted", "capturing", "stored", "analysing", "analysed"])
-    waited: list[float] = []
-    warned: list[tuple[str, int]] = []
-    document = fire_and_wait(
-        bench,
-        settings(),
-        "nylon-1",
-        60.0,
-        lambda _: None,
-        warn=lambda text: warned.append((text, len(bench.fired))),
-        clock=lambda: sum(waited),
-        pause=waited.append,
-    )
-    assert document["state"] == "analysed"
-    assert document["result"]["e"]["value"] == 0.74
-    ((token, key, campaign),) = bench.fired
-    assert (token, campaign, len(key)) == ("token", "nylon-1", 36)
-    assert warned == [("keep clear", 0)], "before the fire"
-    assert len(waited) == 4
-
-
-def test_the_wait_for_a_measurement_has_an_end() -> None:
-    bench = Bench(["stored"])
-    waited: list[float] = []
-    document = fire_and_wait(
-        bench,
-        settings(),
-        None,
-        2.0,
-        lambda _: None,
-        clock=lambda: sum(waited),
-        pause=waited.append,
-    )
-    assert (document["state"], document["result"]) == ("stored", None)
-    assert 2.0 <= sum(waited) < 2.2
-    assert len(bench.fired) == 1
-
-
-def test_the_wait_begins_when_the_compiler_has_ended() -> None:
-    """A first shot waits as long as compiling takes, and says how far that is."""
-    bench = Bench(["analysing"] * 200 + ["analysed"])
-    waited: list[float] = []
-    said: list[str] = []
-    document = fire_and_wait(
-        bench,
-        settings(),
-        None,
-        2.0,
-        said.append,
-        compiling=lambda: "compiling, 40 %" if sum(waited) < 19.0 else None,
-        clock=lambda: sum(waited),
-        pause=waited.append,
-    )
-    assert document["state"] == "analysed"
-    assert sum(waited) > 19.0
-    assert said[-1].endswith("compiling, 40 %")
-
-
-def test_two_shots_never_share_a_key() -> None:
-    bench = Bench(["misfire"])
-    for _ in range(2):
-        fire_and_wait(bench, settings(), None, 1.0, lambda _: None)
-    assert bench.fired[0][1] != bench.fired[1][1]
-
-
 ROUNDED = [
     ((-3.11237, 0.00213), ("-3.1124", "0.0021")),
     ((0.73942, 0.0131), ("0.739", "0.013")),
@@ -341,7 +242,7 @@ def test_a_problem_document_comes_back_as_the_error_it_was_made_from(error: RigE
         return httpx.Response(made.status_code, content=made.body, headers=dict(made.headers))
 
     with client(answerer) as service, pytest.raises(type(error)) as raised:
-        service.arm(settings())
+        service.arm(SETTINGS)
     assert type(raised.value) is type(error)
     assert str(raised.value) == str(error)
 
@@ -372,46 +273,4 @@ def test_a_daemon_that_is_gone_is_told_from_one_that_fell_silent() -> None:
         raise httpx.ConnectError("refused", request=request)
 
     with client(refuse) as service, pytest.raises(ConfigurationError, match="rigctl serve"):
-        service.arm(settings())
-
-
-def test_the_key_file_is_its_owners_alone_and_holds_what_was_written(tmp_path: Path) -> None:
-    address = ServiceAddress("http://127.0.0.1:8486", "secret")
-    path = keyfile.write(tmp_path / "data", address)
-    assert path.stat().st_mode & 0o777 == 0o600
-    assert keyfile.read(tmp_path / "data") == address
-    path.chmod(0o644)
-    keyfile.write(tmp_path / "data", address)
-    assert path.stat().st_mode & 0o777 == 0o600
-
-
-@pytest.mark.parametrize("content", ["", "{", "[]", "3", json.dumps({"url": "x"})])
-def test_a_key_file_that_cannot_be_understood_says_so(tmp_path: Path, content: str) -> None:
-    (tmp_path / keyfile.FILE_NAME).write_text(content)
-    with pytest.raises(ConfigurationError, match="key file cannot be used"):
-        keyfile.read(tmp_path)
-
-
-def test_a_key_that_is_given_goes_before_the_written_one(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    keyfile.write(tmp_path / "data", ServiceAddress("http://127.0.0.1:1", "written"))
-    seen: list[ServiceAddress] = []
-    monkeypatch.setattr(client_module, "ServiceClient", opened_as(seen))
-    for key in (Chosen("given"), None):
-        with client_module.connected(None, key):
-            pass
-    assert [(address.url, address.key) for address in seen] == [
-        ("http://127.0.0.1:1", "given"),
-        ("http://127.0.0.1:1", "written"),
-    ]
-
-
-def opened_as(seen: list[ServiceAddress]) -> Any:
-    class Noted(ServiceClient):
-        def __init__(self, address: ServiceAddress) -> None:
-            seen.append(address)
-            super().__init__(address)
-
-    return Noted
+        service.arm(SETTINGS)

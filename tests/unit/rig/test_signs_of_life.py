@@ -11,7 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from rigctl import logs, systemd
+from rigctl import logs
+from rigctl.cli.rig import serve
 from rigctl.errors import DeviceAbsentError
 from rigctl.logs import JsonFormatter, TextFormatter
 from rigctl.rig.states import RigState
@@ -31,15 +32,15 @@ def manager(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[socket.
 
 
 def test_a_state_reaches_the_service_manager(manager: socket.socket) -> None:
-    systemd.notify(systemd.READY)
+    serve.notify(serve.READY)
     assert manager.recv(64) == b"READY=1"
 
 
 def test_without_a_service_manager_nothing_happens(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("NOTIFY_SOCKET", raising=False)
-    systemd.notify(systemd.READY)
+    serve.notify(serve.READY)
     monkeypatch.setenv("NOTIFY_SOCKET", "/nowhere/at/all")
-    systemd.notify(systemd.READY)
+    serve.notify(serve.READY)
 
 
 def test_signs_of_life_come_as_long_as_the_daemon_answers(
@@ -47,7 +48,7 @@ def test_signs_of_life_come_as_long_as_the_daemon_answers(
 ) -> None:
     monkeypatch.setenv("WATCHDOG_USEC", "30000")
     answers = [True, True, False]
-    watchdog = systemd.Watchdog(lambda: answers.pop(0) if answers else False)
+    watchdog = serve.Watchdog(lambda: answers.pop(0) if answers else False)
     assert [manager.recv(64) for _ in range(2)] == [b"WATCHDOG=1"] * 2
     manager.settimeout(0.2)
     with pytest.raises(TimeoutError):
@@ -58,7 +59,7 @@ def test_signs_of_life_come_as_long_as_the_daemon_answers(
 @pytest.mark.parametrize("period", ["", "often"])
 def test_a_unit_without_a_watchdog_gets_none(period: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("WATCHDOG_USEC", period)
-    assert systemd.watchdog_period_s() is None
+    assert serve.watchdog_period_s() is None
 
 
 def test_a_step_of_the_rig_is_one_line_of_json_with_its_shot(

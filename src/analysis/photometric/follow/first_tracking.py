@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.arrays import Floats, Grey, as_singles
+from analysis.arrays import Floats, Grey, Singles, as_singles
 from analysis.errors import ShotRefusedError
 from analysis.imaging.edge.frame import EdgeSettings, FilmEdges, gradient_threshold, noise_sd
 from analysis.imaging.film_discs import FilmDiscs
@@ -22,7 +22,7 @@ from analysis.imaging.film_following import FilmCurves
 from analysis.imaging.marker.dark_places import FAINT_DARKNESS, LEAST_DARKNESS
 from analysis.imaging.marker.markers import FilmMarkers, film_markers
 from analysis.imaging.radii import FilterBias, filter_bias, shared_radii
-from analysis.imaging.views import view_geometries
+from analysis.imaging.views import View, view_geometries
 from analysis.motion.drift import CENTRE_DRIFT_PER_SIGMA2
 from analysis.motion.pattern import Orientations
 from analysis.motion.sightings import markers_by_darkness
@@ -110,11 +110,8 @@ def first_tracking(frames: Grey, times_s: Floats, setup: Setup) -> Tracking:
         With the step, the frame and the reason.
     """
     frames, settings = as_singles(frames), EdgeSettings()
-    noise = noise_sd(frames)
-    discs, curves = _followed(film_edges(frames, settings), times_s, noise, setup)
-    refuse_repeats(frames, discs)
-    diameters = (setup.spheres[0].diameter_m, setup.spheres[1].diameter_m)
-    radii, views = shared_radii(discs, diameters), view_geometries(setup.camera)
+    noise, discs, curves, radii = _outlined(frames, times_s, setup, settings)
+    views = view_geometries(setup.camera)
 
     def marked(discs: FilmDiscs, darkness: float) -> Sighting:
         seen = markers_by_darkness(frames, views, discs, radii, (darkness, noise))
@@ -177,10 +174,7 @@ def track_unmarked(frames: Grey, times_s: Floats, setup: Setup, reason: str) -> 
         With the step, the frame and the reason.
     """
     frames, settings = as_singles(frames), EdgeSettings()
-    noise = noise_sd(frames)
-    discs, curves = _followed(film_edges(frames, settings), times_s, noise, setup)
-    refuse_repeats(frames, discs)
-    radii = shared_radii(discs, (setup.spheres[0].diameter_m, setup.spheres[1].diameter_m))
+    noise, discs, curves, radii = _outlined(frames, times_s, setup, settings)
     views = view_geometries(setup.camera)
     dark = markers_by_darkness(frames, views, discs, radii, (LEAST_DARKNESS, noise))
     unmarked = Orientations.none()
@@ -218,6 +212,23 @@ def _unlike_px(bias: FilterBias) -> float:
     """
     unlike = 0.5 * (LEFT_BY_THE_LENS * (bias.place[0] - bias.place[1])) ** 2
     return float(np.sqrt(np.mean(bias.place_sigma**2) + np.mean(unlike)))
+
+
+def _outlined(
+    frames: Singles, times_s: Floats, setup: Setup, settings: EdgeSettings
+) -> tuple[float, FilmDiscs, FilmCurves, dict[View, tuple[float, float]]]:
+    """Return the noise of a pixel, both discs in all frames with their curves, and their radii.
+
+    Raises
+    ------
+    ShotRefusedError
+        No two discs stand out, or frames repeat each other.
+    """
+    noise = noise_sd(frames)
+    discs, curves = _followed(film_edges(frames, settings), times_s, noise, setup)
+    refuse_repeats(frames, discs)
+    diameters = (setup.spheres[0].diameter_m, setup.spheres[1].diameter_m)
+    return noise, discs, curves, shared_radii(discs, diameters)
 
 
 def _followed(

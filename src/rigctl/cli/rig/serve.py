@@ -1,8 +1,13 @@
-"""`rigctl serve`: the daemon in one process, from opened devices to a rig left safe."""
+"""`rigctl serve`: the daemon in one process, from opened devices to a rig left safe.
+
+Signs of life go to systemd for a unit of type `notify` with a watchdog, by the protocol of
+sd_notify(3): datagrams to the socket that `NOTIFY_SOCKET` names; no effect elsewhere.
+"""
 
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import ipaddress
 import os
 import shlex
@@ -11,6 +16,7 @@ import socket
 import ssl
 import sys
 import threading
+from collections.abc import Callable
 from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Annotated
@@ -19,7 +25,7 @@ import typer
 import uvicorn
 from starlette.types import ASGIApp
 
-from rigctl import logs, systemd
+from rigctl import logs
 from rigctl.access.strength import new_key, require_strong
 from rigctl.cli.options import Config, KeyFile, OwnEffects, given_key
 from rigctl.config import Configuration, load
@@ -38,7 +44,55 @@ from rigctl.service.guards.origins import AnswerHeaders, OriginGuard, OwnOrigins
 from rigctl.service.keyfile import ServiceAddress
 from rigctl.service.stop_port import StopPort
 from rigctl.store import StepState, SweepRecord
-from rigctl.systemd import Watchdog
+
+READY, STOPPING, ALIVE = "READY=1", "STOPPING=1", "WATCHDOG=1"
+
+
+def notify(state: str) -> None:
+    """Send a state to the service manager, if there is one. Never raises."""
+    address = os.environ.get("NOTIFY_SOCKET", "")
+    if address[:1] not in {"/", "@"}:
+        return
+    if address.startswith("@"):
+        address = "\0" + address[1:]
+    with contextlib.suppress(OSError), socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as link:
+        link.connect(address)
+        link.send(state.encode())
+
+
+def watchdog_period_s() -> float | None:
+    """Return how often a sign of life is due, s: a third of what the unit allows; None: never."""
+    try:
+        return int(os.environ["WATCHDOG_USEC"]) * 1e-6 / 3
+    except (KeyError, ValueError):
+        return None
+
+
+class Watchdog:
+    """Sends a sign of life while `alive` returns true, in a thread of its own.
+
+    Parameters
+    ----------
+    alive
+        Called before each sign; returns within a bound.
+    """
+
+    def __init__(self, alive: Callable[[], bool]) -> None:
+        self._alive, self._ended = alive, threading.Event()
+        self._period_s = watchdog_period_s()
+        self._thread = threading.Thread(target=self._send, name="watchdog", daemon=True)
+        if self._period_s is not None:
+            self._thread.start()
+
+    def close(self) -> None:
+        """Send no more."""
+        self._ended.set()
+
+    def _send(self) -> None:
+        while not self._ended.wait(self._period_s):
+            if self._alive():
+                notify(ALIVE)
+
 
 STOP_PORT_ABOVE = 1000
 """The stop's own port lies so far above the service's, unless it is set or taken."""
@@ -175,11 +229,11 @@ class _Server(uvicorn.Server):
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)
         self._loop = asyncio.get_running_loop()
-        systemd.notify(systemd.READY)
+        notify(READY)
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         self._ends = True
-        systemd.notify(systemd.STOPPING)
+        notify(STOPPING)
         self._hub.close()
         await super().shutdown(sockets)
 

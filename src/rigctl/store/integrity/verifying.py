@@ -21,7 +21,6 @@ from rigctl.progress import Progress
 from rigctl.store.folders import sha256
 from rigctl.store.imports import LISTING
 from rigctl.store.integrity.anchors import anchor_of
-from rigctl.store.integrity.faults import Fault
 from rigctl.store.integrity.ledger import GUARDED, START, Anchor, before, content_of, key_of
 from rigctl.store.integrity.seal import FILE_NAME, Seal, read_seal
 from rigctl.store.orders import order_document, outcome_document
@@ -29,6 +28,15 @@ from rigctl.store.reading import StoreReader
 from rigctl.store.records import Request, ShotRecord
 from rigctl.store.sql.schema import ledger
 from rigctl.store.states import ShotState
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """Something that is not as it was stored: which file or part, and what is wrong with it."""
+
+    part: str
+    what: str
+
 
 _EDITED = frozenset({"note", "format"})
 """Fields that may be edited afterwards, or are not part of the shot."""
