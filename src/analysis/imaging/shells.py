@@ -18,8 +18,6 @@ from analysis.arrays import Floats
 from analysis.cholesky import factor, gram, solve
 from analysis.compiled import compiled, part
 
-FUZZIFIER = 2.0
-"""Exponent m of the memberships; with m = 2 the update needs no further power."""
 NO_NOISE = 1e9
 """Distance, pixels, of a noise cluster that takes no point."""
 NEAREST, LEAST_SQUARE, LONGEST_STEP_PX = 1e-9, 1e-12, 3.0
@@ -49,20 +47,6 @@ class Ellipse:
     semi_minor: float
     angle: float
     rms_px: float
-
-
-def memberships(squared_distances: Floats, noise_distance: float | None) -> Floats:
-    """Return the membership of each point in each shell, shape (shells, points).
-
-    u_ik = 1 / sum_j (D_ik / D_jk)^(1 / (m - 1)), the noise cluster being one more j at the
-    squared distance `noise_distance`^2.
-    """
-    power = 1.0 / (FUZZIFIER - 1.0)
-    closeness = (1.0 / (squared_distances + LEAST_SQUARE)) ** power
-    total = closeness.sum(axis=0)
-    if noise_distance is not None:
-        total = total + (1.0 / noise_distance**2) ** power
-    return np.asarray(closeness / total)
 
 
 def fit_circles(
@@ -115,7 +99,11 @@ def fit_circles(
 
 @part
 def share_out(row: Floats, column: Floats, state: Floats, noise: float, u: Floats) -> None:
-    """Fill each point's `memberships` in each circle, shape (circles, points)."""
+    """Fill each point's membership in each circle, shape (circles, points).
+
+    u_ik = 1 / sum_j (D_ik / D_jk)^(1 / (m - 1)) of the squared distances D, the noise cluster being
+    one more j at `noise`^2; m = 2 needs no further power.
+    """
     noisy = 1.0 / noise**2
     for k in range(row.size):
         total = noisy

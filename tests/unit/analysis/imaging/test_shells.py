@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from scipy.optimize import least_squares
 
 from analysis.imaging.ellipse_shells import fit_ellipse
-from analysis.imaging.shells import Circle, fit_circles, memberships
+from analysis.imaging.shells import Circle, fit_circles, share_out
 
 UNKNOWN = np.zeros((3, 3))
 
@@ -99,13 +99,21 @@ def test_the_noise_cluster_takes_forty_per_cent_of_outliers(seed: int) -> None:
     assert math.hypot(loose.row - 40, loose.column - 50) > 0.1
 
 
+def memberships(radii: list[float], away: list[float], noise_distance: float) -> np.ndarray:
+    """Return those of points on a line in circles about its beginning."""
+    u = np.empty((len(radii), len(away)))
+    state = np.array([(0.0, 0.0, radius) for radius in radii])
+    share_out.py_func(np.array(away), np.zeros(len(away)), state, noise_distance, u)
+    return u
+
+
 def test_a_point_belongs_to_each_shell_by_the_inverse_square_of_its_distance() -> None:
-    u = memberships(np.array([[1.0, 4.0, 1.0], [1.0, 1.0, 9.0]]), None)
-    np.testing.assert_allclose(u, [[0.5, 0.2, 0.9], [0.5, 0.8, 0.1]], rtol=1e-6)
+    u = memberships([10.0, 12.0], [9.0, 11.0, 13.0, 14.0], math.inf)
+    np.testing.assert_allclose(u, [[0.9, 0.5, 0.1, 0.2], [0.1, 0.5, 0.9, 0.8]], rtol=1e-6)
 
 
 def test_the_noise_cluster_is_as_near_as_a_shell_at_its_distance() -> None:
-    u = memberships(np.array([[0.0, 0.25, 1.0, 4.0]]), 0.5)
+    u = memberships([10.0], [10.0, 10.5, 11.0, 12.0], 0.5)
     np.testing.assert_allclose(u[0], [1.0, 0.5, 0.2, 1 / 17], rtol=1e-6)
 
 
