@@ -10,6 +10,7 @@ import numpy as np
 from analysis.arrays import Floats
 from analysis.balls.flight import path
 from analysis.balls.flight.flights import Flights
+from analysis.balls.gaps import frame_at, period_of
 from analysis.balls.measuring import MeasuredBall, coefficient
 from analysis.balls.seen.placing import Placed
 from analysis.motion.drift import WORST_LENGTH, line_variances
@@ -117,7 +118,7 @@ def ball_document(measured: MeasuredBall, notes: tuple[str, ...]) -> Json:
     if len(impacts) == 1:
         document |= impacts[0]
     document["impacts"] = impacts
-    document["frame_rate_hz"] = 1.0 / float(np.median(np.diff(measured.times_s)))
+    document["frame_rate_hz"] = 1.0 / period_of(measured.times_s)
     looks, placed = measured.looks, measured.placed
     document["ball"] = {
         "diameter_px": Quantity(2 * looks.radius_px, 2 * looks.radius_sigma_px, "px").to_json()
@@ -163,7 +164,6 @@ def impact(measured: MeasuredBall, flights: Flights, bounce: int) -> Json:
     after = frames[flights.used & (flights.arcs == bounce + 1)]
     value, sigma = coefficient(measured, bounce)
     along_time = _sigma(flights, bounce, TIME)
-    rate = 1.0 / float(np.median(np.diff(measured.times_s)))
     tilt, tilt_sigma = flights.values[path.TILT], _own_sigma(flights, path.TILT)
     reach = float(np.hypot(contact[TOWARDS], contact[BESIDE])) / flights.scale_px_per_m
     surface = abs(contact[BESIDE]) / flights.scale_px_per_m
@@ -171,7 +171,7 @@ def impact(measured: MeasuredBall, flights: Flights, bounce: int) -> Json:
         "contact_time_s": float(contact[TIME]),
         "contact_time_sigma_s": along_time,
         "contact_duration": None,
-        "frame": float(contact[TIME]) * rate,
+        "frame": frame_at(measured.times_s, float(contact[TIME])),
         "normal": [math.cos(tilt), -math.sin(tilt), 0.0],
         "normal_sigma": [0.0, tilt_sigma, tilt_sigma],
         "v_n": _speed(flights, bounce, TOWARDS, -1.0),

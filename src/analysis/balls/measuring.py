@@ -14,6 +14,8 @@ from analysis.balls.flight import path
 from analysis.balls.flight.fit import fit_flights
 from analysis.balls.flight.flights import Flights, Observed, Start
 from analysis.balls.flight.known import Ball, Known, View
+from analysis.balls.flight.lost import contradicted, find_gap, unsure_e
+from analysis.balls.gaps import Gap, mended
 from analysis.balls.searching import Search, search
 from analysis.balls.seen.arcs import Arc, Chain
 from analysis.balls.seen.free_fall import rests
@@ -41,6 +43,11 @@ LEAST_CODEC_E = 8e-4
 """Standard error of e that a codec leaves beside that of the radius: it moves rims by amounts that
 follow the ball's way, which no scatter about flights tells (python -m benchmarks.balls)."""
 SPEED_STEP_S = 1e-4
+MOST_GAPS = 6
+"""Places at which frames are missing; a film with more has no rate."""
+
+_Fit = tuple[Observed, Start, Known, Flights]
+"""Places, a first guess of bounces and what is known beforehand, and the flights fitted to them."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,8 +72,13 @@ class MeasuredBall:
         None: no bounce has enough frames on both sides.
     unsettled_e
         By how much e of each bounce changed when the ball's light was learned last; shape (B,).
+    unsure_e
+        By how much it would change with a time that seems to be missing, and that no whole number
+        of frames is; shape (B,).
     head
         Of the film.
+    gaps
+        Frames that are missing; `times_s` holds the time that they took.
     """
 
     search: Search
@@ -77,7 +89,9 @@ class MeasuredBall:
     exposure_found: float | None
     flights: Flights | None
     unsettled_e: Floats
+    unsure_e: Floats
     head: FilmHead
+    gaps: tuple[Gap, ...] = ()
 
     @property
     def looks(self) -> Looks:
@@ -93,6 +107,8 @@ class MeasuredBall:
 def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | None) -> MeasuredBall:
     """Find a ball that flies and bounces, and measure its bounces.
 
+    Where frames are missing and it is certain how many, the film is measured with the times mended.
+
     Parameters
     ----------
     times_s
@@ -105,8 +121,28 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
     ShotRefusedError
         No ball, or none that flies freely.
     """
-    found = search(film, times_s, ball)
-    looks, chain = found.looks, found.chain
+    gaps: list[Gap] = []
+    complete = False
+    while True:
+        measured, fit = _measured(film, times_s, ball, exposure_s, complete=complete)
+        own = measured.search.gaps
+        if own and fit is not None and contradicted(fit[-1], own):
+            complete = True
+            continue
+        gaps += own
+        gap = None if fit is None or len(gaps) >= MOST_GAPS else find_gap(*fit)
+        if gap is None:
+            return replace(measured, gaps=tuple(sorted(gaps)))
+        gaps.append(gap)
+        times_s = mended(measured.times_s, [gap])
+
+
+def _measured(
+    film: Film, times_s: Floats, ball: Ball, exposure_s: float | None, *, complete: bool
+) -> tuple[MeasuredBall, _Fit | None]:
+    """Return what a film shows at these times, and what its flights were fitted to."""
+    found = search(film, times_s, ball, complete=complete)
+    looks, chain, times_s = found.looks, found.chain, found.times_s
     period = float(np.median(np.diff(times_s)))
     motion = _first_motion(chain, found.fall)
     placer = Placer.new(looks.radius_px, exposure_s or 0.0)
@@ -125,22 +161,16 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
     leans: Leans | None = None
     flights, told_by, earlier, own, row_time = None, placed, placed, windows, 0.0
     coefficients: list[Floats] = []
+    fit: _Fit | None = None
     for repeat in range(MOST_REPEATS if len(chain.times_s) else 0):
-        head = film.head
-        view = View(
-            *head.whole,
-            period,
-            placer.exposure_s,
-            head.readout,
-            focal_px=head.focal_px,
-            principal_px=head.principal,
-        )
+        view = _view(film.head, period, placer.exposure_s)
         observed, start = _observed(placed, times_s, leans), _start(found)
         stated = Known(ball, view, looks.radius_px, looks.radius_sigma_px)
         fitted = fit_flights(observed, start, stated, flights)
         if fitted is None:
             break
         flights, told_by, earlier = fitted, placed, told_by
+        fit = observed, start, stated, fitted
         coefficients.append(flights.contacts[:, 3] / flights.contacts[:, 1])
         settled = _last_change(coefficients).max() < SETTLED_E
         if repeat == MOST_REPEATS - 1 or (settled and repeat + 1 >= REPEATS):
@@ -155,11 +185,11 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
         placed = placer.place(own, motion, row_time)
         if leans is None:
             leans = leans_of(placer, (own, motion, row_time), placed)
-    unsettled, moved = np.zeros(0), np.zeros((3, 0, 2))
+    unsettled, moved, unsure = np.zeros(0), np.zeros((3, 0, 2)), np.zeros(0)
     if flights is not None:
         moved = shifts(looks, (bare, earlier, told_by), flights)
-        unsettled = _last_change(coefficients)
-    return MeasuredBall(
+        unsettled, unsure = _last_change(coefficients), unsure_e(flights)
+    measured = MeasuredBall(
         search=found,
         placed=placed if flights is None else _placed(told_by, flights, moved),
         scatter=placed.sigmas if flights is None else apart_sigmas(flights, moved),
@@ -168,7 +198,20 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
         exposure_found=None if told is None else float(told[1]),
         flights=flights,
         unsettled_e=unsettled,
+        unsure_e=unsure,
         head=film.head,
+    )
+    return measured, fit
+
+
+def _view(head: FilmHead, period_s: float, exposure_s: float) -> View:
+    return View(
+        *head.whole,
+        period_s,
+        exposure_s,
+        head.readout,
+        focal_px=head.focal_px,
+        principal_px=head.principal,
     )
 
 
@@ -271,5 +314,5 @@ def coefficient(measured: MeasuredBall, bounce: int) -> tuple[float, float]:
     slope = flights.slopes_of_e(bounce)
     variance = float(slope @ flights.covariance @ slope)
     coded = LEAST_CODEC_E if measured.head.compressed else 0.0
-    own = math.sqrt(variance), float(measured.unsettled_e[bounce]), flights.doubt, coded
-    return float(contact[3] / contact[1]), math.hypot(*own)
+    told = float(measured.unsettled_e[bounce]), float(measured.unsure_e[bounce]), flights.doubt
+    return float(contact[3] / contact[1]), math.hypot(math.sqrt(variance), *told, coded)

@@ -11,11 +11,14 @@ from numpy.typing import NDArray
 from analysis.arrays import Floats
 from analysis.balls.films.film import FilmHead
 from analysis.balls.flight.flights import LARGE_CHI2, LEAST_PLACES, MOST_LEFT_OUT, Flights
+from analysis.balls.gaps import frame_at, period_of
 from analysis.balls.measuring import MeasuredBall
 from analysis.balls.seen.arcs import Arc, Chain
 from analysis.errors import counted
 
 NEAR_RADII = 1.6
+UNSURE_E = 1e-3
+"""Change of e by frames that may be missing, from which on it is said."""
 UNSETTLED_E = 0.01
 """Change of e when the ball's light is learned once more, of flights that do not fit the film."""
 LOW_BOUNCE = 0.2
@@ -37,6 +40,7 @@ def _remarks(measured: MeasuredBall) -> Iterator[str]:
     head, chain = measured.head, measured.chain
     yield from head.notes
     yield from (_other(*other) for other in measured.search.others)
+    yield from _missing(measured)
     yield from _edges(measured)
     yield from _repeated(measured)
     yield from _outside(measured)
@@ -54,6 +58,7 @@ def _remarks(measured: MeasuredBall) -> Iterator[str]:
     yield from _of_flights(measured.flights, head)
     yield from _do_not_count(measured, measured.flights)
     yield from _unsettled(measured.unsettled_e, measured.flights)
+    yield from _unsure(measured.unsure_e, measured.flights)
 
 
 def _other(other: Chain, is_round: bool) -> str:
@@ -63,6 +68,23 @@ def _other(other: Chain, is_round: bool) -> str:
         f"{what} in frames {arc.frames[0]} to "
         f"{other.arcs[-1].frames[-1]}, first {_at(arc, 0)}; it is left out"
     )
+
+
+def _missing(measured: MeasuredBall) -> Iterator[str]:
+    """Say where frames are missing, and what was done about it."""
+    period = period_of(measured.times_s)
+    arcs = measured.chain.arcs
+    frames = np.concatenate([arc.frames for arc in arcs])
+    places = np.concatenate([arc.places for arc in arcs])
+    for gap in measured.gaps:
+        row, column = places[int(np.argmin(np.abs(frames - gap.frame)))]
+        yield (
+            f"{counted(gap.count, 'frame')} seem{'s' * (gap.count == 1)} to be missing before "
+            f"frame {gap.frame}, at ({row:.0f}, {column:.0f}) px: there the ball goes on as if it "
+            f"were {counted(gap.count, 'frame')} later; the times of this frame and of those after "
+            f"it were set {1e3 * gap.count * period:.3g} ms later, and frame numbers count the "
+            "frames that are there"
+        )
 
 
 def _repeated(measured: MeasuredBall) -> Iterator[str]:
@@ -182,10 +204,10 @@ def _goes_out(measured: MeasuredBall, arc: Arc, index: int) -> bool:
 def _one_more(measured: MeasuredBall, flights: Flights) -> Iterator[str]:
     """Say where and why a bounce that ends the last flight is not measured."""
     head, radius = measured.head, measured.looks.radius_px
-    period = float(np.median(np.diff(measured.times_s)))
     time = flights.next_contact_s
     row, column, _ = flights.at(np.array([time]), np.array([flights.bounces]))[0]
-    frame = (time - float(flights.row_delay(np.array([[row, column]]))[0])) / period
+    delay = float(flights.row_delay(np.array([[row, column]]))[0])
+    frame = frame_at(measured.times_s, time - delay)
     last = head.frames - 1
     own = flights.observed.frames[flights.arcs == flights.bounces]
     if frame > last + 0.5 or frame - own.max(initial=0) > FOLLOWED:
@@ -219,7 +241,7 @@ def _do_not_count(measured: MeasuredBall, flights: Flights) -> Iterator[str]:
     """Name the frames of the flights that do not count, by reason."""
     frames = flights.observed.frames
     times = flights.observed.times_s + flights.row_delay(flights.observed.places)
-    period = float(np.median(np.diff(measured.times_s)))
+    period = period_of(measured.times_s)
     near = 0.5 * measured.exposure_s + CONTACT_FRAMES * period
     contacts = np.append(flights.contacts[:, 0], flights.next_contact_s)
     touching = (np.abs(times[:, None] - contacts).min(axis=1) < near) | (times > contacts[-1])
@@ -289,4 +311,15 @@ def _unsettled(unsettled_e: Floats, flights: Flights) -> Iterator[str]:
             f"({row:.0f}, {column:.0f}) px, still changes by {unsettled_e[bounce]:.2f} each time "
             "that the film is fitted: the film's rate varies and its times do not say so, or "
             "something holds or hides the ball; the error of e holds as much"
+        )
+
+
+def _unsure(unsure_e: Floats, flights: Flights) -> Iterator[str]:
+    """Name bounces whose e a time would change that seems to be missing."""
+    for bounce in np.flatnonzero(unsure_e > UNSURE_E).tolist():
+        before = flights.observed.frames[flights.arcs <= bounce]
+        yield (
+            f"frames may be missing at bounce {bounce + 1}, after frame {before[-1]}, or in its "
+            "flights, or the film's rate varies and its times do not say so; the error of its e "
+            f"holds what that changes ({unsure_e[bounce]:.3f})"
         )

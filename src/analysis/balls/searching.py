@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,9 +13,11 @@ from analysis.balls.discs.finding import Disc, find_balls
 from analysis.balls.films.fields import refuse_combed
 from analysis.balls.films.film import Film, FilmHead, Picture, spread_frames
 from analysis.balls.flight.known import Ball
+from analysis.balls.gaps import Gap, mended
 from analysis.balls.seen.arcs import Chain, Sightings, chains, find_arcs, joined
 from analysis.balls.seen.background import Brightness, background, evened, some_pixels
 from analysis.balls.seen.free_fall import STEADY_RADII, agreeing, falls, flown, flying
+from analysis.balls.seen.jumps import jumps
 from analysis.balls.seen.looks import (
     LEAST_RADIUS_PX,
     LEAST_SHARE,
@@ -65,6 +67,10 @@ class Search:
         otherwise, nearly as they do.
     contradicts
         Whether they do.
+    times_s
+        Of all frames, shape (frames,): as stated, but later where frames are missing before them.
+    gaps
+        Where a ball jumps along its flight by whole steps: frames that are missing.
     others
         Flights beside the ball's own, the strongest first, each with whether a disc is seen there.
     unexplained
@@ -85,11 +91,20 @@ class Search:
     repeated: tuple[int, ...]
     gains: Floats
     about: Surroundings | None
-    contradicts: bool = False
+    contradicts: bool
+    times_s: Floats
+    gaps: tuple[Gap, ...]
 
 
-def search(film: Film, times_s: Floats, ball: Ball) -> Search:
+def search(film: Film, times_s: Floats, ball: Ball, *, complete: bool = False) -> Search:
     """Find the ball whose flights explain most.
+
+    Parameters
+    ----------
+    times_s
+        Of the frames.
+    complete
+        Whether no frame is taken to be missing.
 
     Raises
     ------
@@ -119,7 +134,7 @@ def search(film: Film, times_s: Floats, ball: Ball) -> Search:
         groups = families(found)[:MOST_FAMILIES]
         least = share * max(map(weight, groups), default=0.0)
         sought = [looks_of(g, samples, ground, head) for g in groups if weight(g) >= least]
-        for one in _searches(film, times_s, ball, sought, (read, ground)):
+        for one in _searches(film, times_s, ball, sought, (read, ground), complete=complete):
             if isinstance(one, ShotRefusedError):
                 refused = refused or one
                 continue
@@ -158,6 +173,8 @@ def _searches(
     ball: Ball,
     sought: Sequence[Looks],
     samples: tuple[dict[int, Picture], Picture],
+    *,
+    complete: bool,
 ) -> Iterator[Search | ShotRefusedError]:
     """Give the flights of each of some balls, or why it has none."""
     if not sought:
@@ -169,7 +186,10 @@ def _searches(
             places[frame] = places[frame][:0]
         seen = Sightings(times_s, places, (film.head.height, film.head.width))
         stated = np.array([ball.gravity * 2 * looks.radius_px / ball.diameter_m, 0.0])
+        gaps: tuple[Gap, ...] = ()
         flights = _flights(seen, looks, stated)
+        if not complete:
+            seen, gaps, flights = _without_jumps(seen, looks, stated, flights)
         if flights is None:
             said = f"{_way(seen, looks)}; no flight of four frames is in this film"
             yield CarriedError(said, looks, seen)
@@ -178,12 +198,37 @@ def _searches(
         others = tuple((c, _round(c, looks)) for c in linked[1:] if _beside(c, chain))
         beyond = _unexplained(seen, linked, chain)
         odd = bool(fall[0] != stated[0])
-        yield Search(looks, chain, fall, others, beyond, repeated, gains, about, odd)
+        known = seen.times_s, gaps
+        yield Search(looks, chain, fall, others, beyond, repeated, gains, about, odd, *known)
 
 
-def _flights(
-    seen: Sightings, looks: Looks, stated: Floats
-) -> tuple[list[Chain], Chain, Floats] | None:
+def _without_jumps(
+    seen: Sightings, looks: Looks, stated: Floats, flights: _Flights | None
+) -> tuple[Sightings, tuple[Gap, ...], _Flights | None]:
+    """Return sightings with times by which most of them are flights, gaps of these, and flights."""
+    fall = stated if flights is None else flights[2]
+    gaps = tuple(jumps(seen, find_arcs(seen, looks.radius_px, fall), looks.radius_px, fall))
+    if gaps:
+        later = replace(seen, times_s=mended(seen.times_s, gaps))
+        again = _flights(later, looks, stated)
+        if again is not None and _whole(again) >= _whole(flights):
+            return later, gaps, again
+    return seen, (), flights
+
+
+def _whole(flights: _Flights | None) -> tuple[int, int]:
+    """Return in how many frames a ball flies, and how few pieces that takes."""
+    if flights is None:
+        return 0, 0
+    arcs = flights[1].arcs
+    return sum(len(arc.frames) for arc in arcs), -len(arcs)
+
+
+_Flights = tuple[list[Chain], Chain, Floats]
+"""Chains, the part of the strongest that the ball flies, and its fall."""
+
+
+def _flights(seen: Sightings, looks: Looks, stated: Floats) -> _Flights | None:
     """Return chains of flights, the part of the strongest that the ball flies, and its fall.
 
     Where few flights bend as the stated diameter says, other falls are tried: a person may have

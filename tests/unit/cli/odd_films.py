@@ -104,10 +104,10 @@ def frames_twice(*, off_px: float = 0.0) -> tuple[list[Drawn], list[int]]:
     return shown, twice
 
 
-def frames_missing() -> tuple[list[Drawn], int]:
-    """Draw a film without four of its frames in the middle of a flight; return where they were."""
-    shown = [picture(row) for row in bouncing()]
-    return shown[:50] + shown[54:], 50
+def frames_missing(first: int, count: int) -> list[Drawn]:
+    """Draw a film without some of its frames."""
+    shown = [picture(row) for row in bouncing(150)]
+    return shown[:first] + shown[first + count :]
 
 
 def rate_varies(

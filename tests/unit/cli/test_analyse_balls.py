@@ -50,6 +50,7 @@ def test_a_film_without_any_folder_gives_e_of_every_bounce(
         assert impact["v_s"]["value"] is None
         assert impact["v_s"]["low"] <= impact["v_s"]["high"]
     assert shot["ball"]["diameter_px"]["value"] == pytest.approx(2 * RADIUS, rel=0.02)
+    assert not [note for note in shot["notes"] if "missing" in note]
 
 
 @pytest.mark.parametrize("share", [0.5, pytest.param(1.15, marks=pytest.mark.long), 2.0])
@@ -246,5 +247,28 @@ def test_e_of_drawn_films_is_that_of_their_law(
         assert e["value"] == pytest.approx(drawn["e"], abs=within)
         assert abs(e["value"] - drawn["e"]) < 4 * e["sigma"]
         assert impact["v_n"]["value"] == pytest.approx(drawn["v_n"], rel=0.02)
+    assert not [note for note in shot["notes"] if "missing" in note]
     if bounces == 1:
         assert shot["e"] == shot["impacts"][0]["e"]
+
+
+@pytest.mark.shared_data
+@pytest.mark.long
+@pytest.mark.skipif(not DROPS.exists(), reason="films lie beside a development checkout")
+@pytest.mark.parametrize(("first", "count"), [(33, 2), (49, 1), (104, 1)])
+def test_frames_that_a_drawn_film_lacks_are_put_into_its_times(
+    first: int, count: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """In flights of 240 frames/s, and beside its bounces at frames 50.8 and 126.1."""
+    pictures = sorted((DROPS / "high240" / "frames" / "0001").glob("*.png"))
+    for k, path in enumerate(pictures[:first] + pictures[first + count :]):
+        (tmp_path / f"{k:04d}.png").symlink_to(path)
+    size = ["--ball-diameter-mm", "40", "--ball-mass-g", "30", "--fps", "240"]
+    shot = answer(capsys, str(tmp_path), *size)
+    words = f"{count} frames seem" if count > 1 else "1 frame seems"
+    assert len([note for note in shot["notes"] if note.startswith(words)]) == 1
+    truth = json.loads((DROPS / "high240" / "truth.json").read_text())["bounces"]
+    assert len(shot["impacts"]) == len(truth)
+    for impact, drawn in zip(shot["impacts"], truth, strict=True):
+        e = impact["e"]
+        assert abs(e["value"] - drawn["e"]) < 4 * e["sigma"] < 0.004

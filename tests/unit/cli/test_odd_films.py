@@ -116,10 +116,27 @@ def test_a_picture_that_a_codec_has_coded_anew_is_the_one_before_it_all_the_same
     assert is_true(shot["impacts"][0], 0.8)
 
 
-def test_a_film_that_lacks_frames_is_not_believed(tmp_path: Path, capsys: Capsys) -> None:
-    pictures, _ = odd_films.frames_missing()
-    shot = analysed(pictures, tmp_path, capsys)
-    assert "frames may be missing" in said(shot, "further from free flights")
+@pytest.mark.parametrize(
+    ("first", "count"),
+    [
+        (50, 4),
+        (66, 1),
+        *(
+            pytest.param(first, count, marks=pytest.mark.long)
+            for first, count in [(40, 1), (48, 2), (64, 2), (69, 1), (83, 3)]
+        ),
+    ],
+)
+def test_frames_that_a_film_lacks_are_said_and_its_times_mended(
+    first: int, count: int, tmp_path: Path, capsys: Capsys
+) -> None:
+    """In flight, and beside the first bounce, which is between frames 67 and 68."""
+    shot = analysed(odd_films.frames_missing(first, count), tmp_path, capsys)
+    words = f"{count} frames seem" if count > 1 else "1 frame seems"
+    named = re.search(r"before frame (\d+)", said(shot, words))
+    assert named is not None
+    assert abs(int(named[1]) - first) <= 3
+    assert all(is_true(impact, 0.8) for impact in shot["impacts"])
 
 
 @pytest.mark.parametrize(

@@ -243,6 +243,7 @@ def _described(problem: Problem, values: Floats, chosen: _Chosen) -> Flights:
         contacts=contacts,
         contact_slopes=contact_slopes,
         observed=replace(observed, places=observed.places - problem.taken(values, arcs)),
+        slopes=place_slopes,
         taken_slopes=taken_slopes,
         arcs=arcs,
         used=used,

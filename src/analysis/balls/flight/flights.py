@@ -95,8 +95,9 @@ class Flights:
     observed, arcs, used
         What was fitted, with what outlines and smears did to places taken out; which flight each
         place belongs to, and which places counted.
-    taken_slopes
-        Derivatives of what was taken out of places to the fit's numbers, px, shape (N, 2, P).
+    slopes, taken_slopes
+        Derivatives to the fit's numbers, px, shape (N, 2, P): of where the ball is seen, and of
+        what was taken out of places.
     residuals
         Place less model, px, shape (N, 2).
     sigma_scale
@@ -119,6 +120,7 @@ class Flights:
     contacts: Floats
     contact_slopes: Floats
     observed: Observed
+    slopes: Floats
     taken_slopes: Floats
     arcs: Ints
     used: NDArray[np.bool_]

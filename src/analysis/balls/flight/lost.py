@@ -1,0 +1,289 @@
+"""Frames that are missing from a film whose times do not say so.
+
+Where n frames are missing, all that follows was filmed n periods later than its number says: a
+ball jumps by n + 1 of its steps. One time that is added to all frames from a place on is one more
+number of the fit. A whole number of periods that explains what flights do not is believed where
+the places hold it to a small part of a period.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from itertools import chain
+
+import numpy as np
+
+from analysis.arrays import Floats
+from analysis.balls.flight import path
+from analysis.balls.flight.fit import fit_flights
+from analysis.balls.flight.flights import LEAST_PLACES, Flights, Observed, Start
+from analysis.balls.flight.known import Known
+from analysis.balls.gaps import MOST_LOST, Gap, period_of
+
+LEAST_SHARE, LEAST_SIGMAS = 0.5, 5.0
+"""Of a period, and in its errors: a time that flights miss is worth a fit."""
+DOUBTFUL, SUSPECT_SIGMAS = 0.3, 3.0
+"""Of a period, and in its errors: a time that flights miss in which something may be wrong."""
+LEAST_WEIGHT = 1e-6
+"""Of what places say of a time, that the fit's other numbers leave: less is rounding."""
+WHOLE, SHARP = 0.2, 0.1
+"""Of a period: by how much what flights miss may differ from whole periods, and its error."""
+LEAST_STEP_PX = 2.0
+"""Of a ball off its flight that a time may explain; less is what shadows at the plate do."""
+NEAR_STEPS = 0.3
+"""Of a step at the first contact: from a place to where the ball was some periods later."""
+LEAST_GAIN = 60.0
+"""Of the sum of squared distances in errors: by how much less it is at least with mended times."""
+NEARER = 4.0
+"""Sum of squared distances from a parabola, over that with a gap, for which this is worth a fit."""
+MOST_TRIED = 6
+MOST_AT_BOUNCE = 3
+"""Frames that are tried at a bounce."""
+WORSE = 2.0
+"""Mean square of the residuals, over that without a gap, with which nothing is mended."""
+FARTHEST = 12.0
+"""Errors from which on a place counts no more than one that lies so far."""
+SPEED_STEP = 1e-3
+"""Of a period, over which speeds are taken."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Missed:
+    """A time that all frames from one on seem to be later by, in s, with its standard error.
+
+    `along` is the information that it shares with the fit's numbers, 1/s, shape (P,).
+    """
+
+    frame: int
+    time_s: float
+    sigma_s: float
+    along: Floats
+
+    @property
+    def pull(self) -> float:
+        """Return the time in its error."""
+        return self.time_s / self.sigma_s
+
+
+def find_gap(observed: Observed, start: Start, known: Known, flights: Flights) -> Gap | None:
+    """Return the surest place at which frames are missing.
+
+    Parameters
+    ----------
+    observed, start, known
+        As the flights were fitted.
+
+    Returns
+    -------
+    None where no whole number of missing frames explains what the flights do not.
+    """
+    period = known.view.period_s
+    most, best = LEAST_GAIN, None
+    for gap in _worth(observed, start, flights, period):
+        late = observed.frames >= gap.frame
+        times = observed.times_s + late * gap.count * period
+        later = start.times_s > observed.times_s[late].min() - 0.5 * period
+        begun = replace(start, times_s=start.times_s + later * gap.count * period)
+        fitted = fit_flights(replace(observed, times_s=times), begun, known)
+        if fitted is None or fitted.bounces < flights.bounces:
+            continue
+        if fitted.chi2_per_dof > WORSE * flights.chi2_per_dof:
+            continue
+        gain = _cost(flights, fitted, fitted) - _cost(fitted, flights, fitted)
+        if gain > most and _holds(fitted, gap, period):
+            most, best = gain, _placed(fitted, gap, period)
+    return best
+
+
+def missed(flights: Flights) -> list[Missed]:
+    """Return, for each frame but the first, what all frames from it on seem to be later by."""
+    own = flights.used
+    errors = (flights.observed.sigmas * flights.sigma_scale)[own]
+    speeds = _speeds(flights)[own] / errors
+    left = flights.residuals[own] / errors
+    slopes = flights.slopes[own] / errors[..., None]
+    frames = flights.observed.frames[own]
+    # Sums over all frames from each on.
+    along = np.cumsum(np.einsum("na,nap->np", speeds, slopes)[::-1], axis=0)[::-1]
+    square = np.cumsum((speeds**2).sum(axis=1)[::-1])[::-1]
+    score = np.cumsum((speeds * left).sum(axis=1)[::-1])[::-1]
+    known = square - np.einsum("np,pq,nq->n", along, flights.covariance, along)
+    return [
+        Missed(int(frame), float(told / weight), float(1.0 / math.sqrt(weight)), shared)
+        for frame, told, weight, whole, shared in zip(
+            frames, score, known, square, along, strict=True
+        )
+        if frame > frames[0] and weight > LEAST_WEIGHT * whole
+    ]
+
+
+def _worth(observed: Observed, start: Start, flights: Flights, period: float) -> Iterator[Gap]:
+    """Give gaps that are worth a fit: by the surest missing times, then by places off flights."""
+    told = [
+        each
+        for each in missed(flights)
+        if each.time_s > LEAST_SHARE * period and each.pull > LEAST_SIGMAS
+    ]
+    tried: set[Gap] = set()
+    for each in sorted(told, key=lambda one: -one.pull)[:MOST_TRIED]:
+        count = round(each.time_s / period)
+        for gap in (Gap(each.frame, count + more) for more in (0, 1, -1)):
+            if 1 <= gap.count <= MOST_LOST and gap not in tried:
+                tried.add(gap)
+                yield gap
+    others = (
+        _of_arcs(observed, start, period),
+        _of_places_off(flights, period),
+        _at_bounces(observed, start, flights, period),
+    )
+    for gap in chain.from_iterable(others):
+        if gap not in tried and len(tried) < 6 * MOST_TRIED:
+            tried.add(gap)
+            yield gap
+
+
+def _of_arcs(observed: Observed, start: Start, period: float) -> Iterator[Gap]:
+    """Give gaps by which a parabola goes nearer through the places between two bounces.
+
+    A fit of all flights that no time fits may lie off everywhere.
+    """
+    arcs = np.searchsorted(start.times_s, observed.times_s)
+    for arc in range(len(start.times_s) + 1):
+        near = np.abs(observed.times_s[:, None] - start.times_s).min(axis=1) < 1.5 * period
+        own = np.flatnonzero((arcs == arc) & ~near)
+        if len(own) < 2 * LEAST_PLACES:
+            continue
+        times, places = observed.times_s[own], observed.places[own]
+        tried = [
+            (_squares(times + count * period * (np.arange(len(own)) >= k), places), k, count)
+            for k in range(2, len(own) - 1)
+            for count in range(1, MOST_LOST + 1)
+        ]
+        best, k, count = min(tried)
+        if NEARER * best < _squares(times, places):
+            yield from (Gap(int(observed.frames[own[k]]), count + more) for more in (0, 1))
+
+
+def _squares(times: Floats, places: Floats) -> float:
+    """Return the squared distances of places from a parabola."""
+    gone = (times - times.mean()) / np.ptp(times)
+    bent = np.linalg.lstsq(np.vander(gone, 3), places[:, 0], rcond=None)[0]
+    straight = np.linalg.lstsq(np.vander(gone, 2), places[:, 1], rcond=None)[0]
+    across = places[:, 1] - np.vander(gone, 2) @ straight
+    return float(((places[:, 0] - np.vander(gone, 3) @ bent) ** 2).sum() + (across**2).sum())
+
+
+def _of_places_off(flights: Flights, period: float) -> Iterator[Gap]:
+    """Give gaps beside a contact: a place off the flights that is one of an earlier or later time.
+
+    A ball that is seen beyond the plate before its contact, or too high after it, was filmed later
+    than its number says; so was all that follows.
+    """
+    observed = flights.observed
+    times = observed.times_s + flights.row_delay(observed.places)
+    off = np.hypot(*flights.residuals.T) > LEAST_STEP_PX
+    for index in np.flatnonzero(off & ~flights.used).tolist():
+        for arc in {int(flights.arcs[index]), max(0, int(flights.arcs[index]) - 1)}:
+            for shift in (*range(1, MOST_LOST), *range(-MOST_LOST, 0)):
+                here = flights.at(times[index : index + 1] + shift * period, np.array([arc]))[0, :2]
+                near = NEAR_STEPS * float(flights.values[path.SPEED]) * period
+                if math.hypot(*(observed.places[index] - here)) > max(near, LEAST_STEP_PX):
+                    continue
+                # Either it comes after the gap, or those after it do.
+                first = index if shift > 0 else index + 1
+                if 0 < first < len(times):
+                    yield Gap(int(observed.frames[first]), abs(shift))
+
+
+def unsure_e(flights: Flights) -> Floats:
+    """Return by how much e of each bounce changes where a time is missing that no frames explain.
+
+    Shape (B,).
+    """
+    period = period_of(flights.observed.times_s)
+    most = np.zeros(flights.bounces)
+    for each in missed(flights):
+        sharp = each.sigma_s < SHARP * period and abs(each.pull) > LEAST_SIGMAS
+        if sharp and abs(each.time_s) > LEAST_SHARE * period:
+            moved = flights.covariance @ each.along * each.time_s
+            change = [abs(float(flights.slopes_of_e(b) @ moved)) for b in range(flights.bounces)]
+            most = np.maximum(most, change)
+    return most
+
+
+def _at_bounces(observed: Observed, start: Start, flights: Flights, period: float) -> Iterator[Gap]:
+    """Give gaps at bounces, where the times do not fit."""
+    if not any(
+        abs(each.time_s) > DOUBTFUL * period and abs(each.pull) > SUSPECT_SIGMAS
+        for each in missed(flights)
+    ):
+        return
+    for time in start.times_s.tolist():
+        after = int(np.searchsorted(observed.times_s, time))
+        if 0 < after < len(observed.frames):
+            for count in range(1, MOST_AT_BOUNCE + 1):
+                yield Gap(int(observed.frames[after]), count)
+
+
+def _speeds(flights: Flights) -> Floats:
+    """Return speeds of the ball in the picture at each place, px/s, shape (N, 2)."""
+    times = flights.observed.times_s + flights.row_delay(flights.observed.places)
+    step = SPEED_STEP * float(np.median(np.diff(flights.observed.times_s)))
+    ahead, behind = (flights.at(times + own, flights.arcs)[:, :2] for own in (step, -step))
+    return np.asarray((ahead - behind) / (2 * step))
+
+
+def _cost(flights: Flights, other: Flights, by: Flights) -> float:
+    """Return how far places lie from flights, squared, in errors of `by`.
+
+    Of places to which the other ones were fitted too; far ones count no more than FARTHEST.
+    """
+    errors = np.median(by.observed.sigmas * by.sigma_scale, axis=0)
+    both = np.isin(flights.observed.frames, other.observed.frames)
+    scaled = np.minimum(np.abs(flights.residuals[both] / errors), FARTHEST)
+    return float((scaled**2).sum())
+
+
+def contradicted(fitted: Flights, gaps: Iterable[Gap]) -> bool:
+    """Return whether flights with missing frames put in say that these are not missing."""
+    period = period_of(fitted.observed.times_s)
+    left = (_left(fitted, gap) for gap in gaps)
+    return any(
+        each is not None and each.time_s < -LEAST_SHARE * period and each.pull < -LEAST_SIGMAS
+        for each in left
+    )
+
+
+def _placed(fitted: Flights, gap: Gap, period: float) -> Gap:
+    """Return a gap before the frame that leaves places nearest to the flights."""
+    observed = fitted.observed
+    times = observed.times_s + fitted.row_delay(observed.places)
+    late = observed.frames >= gap.frame
+    errors = observed.sigmas * fitted.sigma_scale
+    costs = []
+    for own in (False, True):
+        shift = (own * 1.0 - late) * gap.count * period
+        away = observed.places - fitted.at(times + shift, fitted.arcs)[:, :2]
+        away = np.where((late == own)[:, None], fitted.residuals, away)
+        costs.append((np.minimum(np.abs(away / errors), FARTHEST) ** 2).sum(axis=1))
+    early, after = costs
+    before = np.concatenate([[0.0], np.cumsum(early)])
+    total = before + np.concatenate([np.cumsum(after[::-1])[::-1], [0.0]])
+    return replace(gap, frame=int(observed.frames[1 + int(np.argmin(total[1:-1]))]))
+
+
+def _holds(fitted: Flights, gap: Gap, period: float) -> bool:
+    """Return whether flights with mended times hold just these: to a small part of a period."""
+    left = _left(fitted, gap)
+    if left is None:
+        return False
+    return abs(left.time_s) < WHOLE * period and left.sigma_s < SHARP * period
+
+
+def _left(fitted: Flights, gap: Gap) -> Missed | None:
+    """Return the time that is missing at a place still; None where flights do not tell it."""
+    own = fitted.observed.frames[fitted.used]
+    first = own[own >= gap.frame].min(initial=own.max())
+    return next((each for each in missed(fitted) if each.frame == first), None)
