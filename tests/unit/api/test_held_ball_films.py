@@ -131,12 +131,13 @@ def test_a_folder_of_loose_films_with_a_plate_s_set_up_is_its_films(
 ) -> None:
     films = tmp_path / "drops"
     films.mkdir()
-    for name in ("a.avi", "b.avi"):
+    # Of every kind that is read; Photron's header belongs to the frames beside it.
+    for name in ("a.avi", "b.MOV", "c.cine", "d.mraw", "d.cihx", "e.webm"):
         (films / name).write_bytes(b"film")
     (tmp_path / "plate.toml").write_text(DESCRIBED, "utf-8")
     monkeypatch.setattr(opening, "_measured", lambda _: bounce())
     shots = rigctl.open(films, setup=tmp_path / "plate.toml").measure()
-    assert list(shots.table()["shot"]) == [101, 201]
+    assert list(shots.table()["shot"]) == [101, 201, 301, 401, 501]
     assert shots.name == "drops"
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from analysis.balls.films.stacks import PICTURE_SUFFIXES
 from rigctl.errors import AnalysisInputError
 from rigctl.page.own.brought import (
     brought_before,
@@ -35,12 +36,15 @@ def test_a_film_is_a_film(place: Path) -> None:
     assert what_is_in(place).films == (place / "drop.mp4",)
 
 
-def test_pictures_beside_each_other_are_one_film(place: Path) -> None:
-    for name in ("1.png", "2.png", "3.png"):
+@pytest.mark.parametrize("suffix", PICTURE_SUFFIXES)
+def test_pictures_beside_each_other_are_one_film(suffix: str, place: Path) -> None:
+    """Of every kind that a folder of frames is read from."""
+    names = [f"{number}{suffix}" for number in (1, 2, 3)]
+    for name in names:
         (place / name).write_bytes(b"")
     found = what_is_in(place)
     [film] = found.films
-    assert sorted(path.name for path in film.iterdir()) == ["1.png", "2.png", "3.png"]
+    assert sorted(path.name for path in film.iterdir()) == names
     assert what_is_in(place) == found
 
 

@@ -13,6 +13,7 @@ from pathlib import Path, PurePosixPath
 from typing import IO
 
 from analysis.balls.films.reading import FILM_SUFFIXES, PHOTRON_SUFFIXES
+from analysis.balls.films.stacks import PICTURE_SUFFIXES
 from rigctl.documents import Json
 from rigctl.errors import AnalysisInputError
 from rigctl.page.model.source import LOOKED_AT
@@ -26,7 +27,6 @@ PART = ".part"
 MOST_BYTES = 2 * 1024**3
 MOST_FILES = 20_000
 ARCHIVE = ".zip"
-PICTURES = (".png", ".tif", ".tiff")
 FRAMES = "frames"
 TABLES = (".csv", ".tsv")
 MOST_LISTED = 12
@@ -177,7 +177,7 @@ def what_is_in(place: Path) -> Brought:
     top = [path for path in sorted(where.rglob("*")) if path.is_file() and made not in path.parents]
     tables = [path for path in top if path.suffix.lower() in TABLES]
     films = [path for path in top if path.suffix.lower() in FILM_SUFFIXES]
-    pictures = [path for path in top if path.suffix.lower() in PICTURES]
+    pictures = [path for path in top if path.suffix.lower() in PICTURE_SUFFIXES]
     if len(pictures) > 1:
         frames.mkdir()
         for path in pictures:
@@ -192,8 +192,8 @@ def what_is_in(place: Path) -> Brought:
     raise AnalysisInputError(
         "is neither film, table nor campaign",
         part=", ".join(path.name for path in top[:3]) or "nothing",
-        todo=f"drop films ({kinds}), pictures of one film as PNG, a table as CSV, or an exchange "
-        "folder as ZIP",
+        todo=f"drop films ({kinds}), pictures of one film ({', '.join(PICTURE_SUFFIXES)}), a "
+        "table as CSV, or an exchange folder as ZIP",
     )
 
 
