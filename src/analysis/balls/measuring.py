@@ -185,6 +185,8 @@ def _measured(
         placed = placer.place(own, motion, row_time)
         if leans is None:
             leans = leans_of(placer, (own, motion, row_time), placed)
+            looks = looks.leaning(leans.shifts)
+            found = replace(found, looks=looks)
     unsettled, moved, unsure = np.zeros(0), np.zeros((3, 0, 2)), np.zeros(0)
     if flights is not None:
         moved = shifts(looks, (bare, earlier, told_by), flights)

@@ -13,7 +13,7 @@ from scipy.optimize import least_squares
 from analysis.arrays import Floats
 from analysis.balls.flight import path
 from analysis.balls.flight.flights import LEAST_PLACES, Flights, Ints, Observed, Start
-from analysis.balls.flight.known import LEVEL_SIGMA, Known
+from analysis.balls.flight.known import LEVEL_SIGMA, LOOK_SIGMA, Known
 from analysis.balls.flight.problem import Problem
 
 _Chosen = tuple[Ints, NDArray[np.bool_], Floats]
@@ -226,6 +226,10 @@ def _described(problem: Problem, values: Floats, chosen: _Chosen) -> Flights:
     unit = 1.0 / np.sqrt(np.maximum(np.diag(normal), LEAST_INFORMATION))
     inverse = np.linalg.pinv(normal * np.outer(unit, unit), hermitian=True)
     covariance[np.ix_(free, free)] = inverse * np.outer(unit, unit)
+    since_s = problem.times(values)[used] - contacts[0, 0]
+    pushed = covariance @ np.einsum("np,n->p", place_slopes[used, 0], since_s / errors[:, 0] ** 2)
+    pushed *= _unseen_rise(problem.natural(values), np.sqrt(np.diag(covariance)))
+    covariance += np.outer(pushed, pushed)
     scaled = residuals[used] / observed.sigmas[used]
     freedom = max(1, 2 * int(used.sum()) - int(free.sum()))
     fall, fall_sigma = values[path.FALL], math.sqrt(covariance[path.FALL, path.FALL])
@@ -256,6 +260,26 @@ def _described(problem: Problem, values: Floats, chosen: _Chosen) -> Flights:
         contradiction=apart > allowed,
         readout=problem.view.readout,
     )
+
+
+def _unseen_rise(values: Floats, sigmas: Floats) -> float:
+    """Return the standard error of the speed, px/s, at which what drifts away seems to rise.
+
+    It is the drift times `path.rise`, perspective times the squared focal length, px^2. Where each
+    of them may be nothing and is hardly known, derivatives at what was fitted leave most of it out:
+    here are the mean squares of drift and perspective, and the mean of the squared focal length.
+    """
+    drift, by_drift = values[path.DEPTH], sigmas[path.DEPTH]
+    side = 2.0 * values[path.HALF]
+    per_perspective = side**2 / max(values[path.ASLANT], path.LEAST_ASLANT)
+    rise, by_look = path.rise(values), sigmas[path.PERSPECTIVE] * per_perspective
+    spread = sigmas[path.ASLANT]
+    square = (rise**2 + by_look**2) * math.exp(spread**2)
+    # A camera stands with its line of sight near the plane of the flight, whatever its lens.
+    square = min(square, rise**2 + LOOK_SIGMA**2 * per_perspective * math.exp(0.5 * spread**2))
+    in_slopes = rise**2 * (1.0 + spread**2) + by_look**2
+    whole = (drift**2 + by_drift**2) * square
+    return math.sqrt(max(0.0, whole - drift**2 * in_slopes - by_drift**2 * rise**2))
 
 
 def _slopes(problem: Problem, values: Floats, arcs: Ints) -> tuple[Floats, Floats, Floats]:

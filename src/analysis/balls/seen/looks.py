@@ -41,6 +41,9 @@ LEAST_BRIGHTNESS = 0.2
 """Of the largest difference of a channel, where brightness is taken for the rim."""
 RIM_SIGMA = 0.007
 """Relative error of a rim's radius where half of the ball is as dark as the ground."""
+ONE_SIDED_SIGMA = 0.015
+"""Relative error of a radius whose places lean by as much as the radius changes: light from one side
+leaves the other limb as dark as the ground, and what is taken for the rim ends before it."""
 CODEC_PX = 0.4
 """Error of a rim's radius where a codec, or a telephone's sharpening, has been at it."""
 CODED_RADIUS_PX = 13.0
@@ -76,6 +79,19 @@ class Looks:
     def with_radius(self, radius_px: float) -> Looks:
         """Return the same with a radius that light and not the rim has told."""
         return replace(self, radius_px=radius_px, radius_sigma_px=LIGHT_SIGMA * radius_px)
+
+    def leaning(self, leans_px: Floats) -> Looks:
+        """Return the same with the radius's error of a ball that is seen by one side of its rim.
+
+        Parameters
+        ----------
+        leans_px
+            By how much places move with a relative change of the radius, shape (N, 2): by nothing
+            where the whole rim is seen, by the radius where one side is.
+        """
+        share = float(np.median(np.hypot(*leans_px.T))) / self.radius_px
+        sigma = ONE_SIDED_SIGMA * share**2 * self.radius_px
+        return replace(self, radius_sigma_px=math.hypot(self.radius_sigma_px, sigma))
 
 
 def noise_of(samples: Sequence[Picture], ground: Picture) -> float:

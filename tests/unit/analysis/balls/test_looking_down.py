@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -61,7 +62,7 @@ def fitted(
 ) -> Flights:
     times = np.array([b[0] for b in BOUNCES])
     scale = FOCAL / AWAY_M
-    across = np.full(2, scale * ACROSS)
+    across = np.full(len(BOUNCES), scale * ACROSS)
     down = np.stack([[scale * b[1] * 1.01 for b in BOUNCES], across], axis=1)
     up = np.stack([[-scale * b[2] * 0.99 for b in BOUNCES], across], axis=1)
     places = ahead_and_place(times)[1] - corner
@@ -121,3 +122,22 @@ def test_the_part_of_a_picture_that_is_looked_at_changes_nothing_but_where_rows_
     for found, expected in zip(beside(cut), beside(whole), strict=True):
         assert found == pytest.approx(expected, rel=1e-4)
     assert cut.observed.places + corner == pytest.approx(whole.observed.places, abs=1e-4)
+
+
+@pytest.mark.parametrize("drift", [-0.04, 0.04])
+def test_e_of_one_bounce_holds_the_rise_of_what_drifts_away_before_a_long_lens(
+    drift: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # A long lens that looks down sees what drifts away rise: 1.1 px/s here, of 1120 px/s.
+    monkeypatch.setattr(sys.modules[__name__], "FOCAL", 1900.0)
+    monkeypatch.setattr(sys.modules[__name__], "AWAY_M", 4.0)
+    monkeypatch.setattr(sys.modules[__name__], "DRIFT", drift)
+    monkeypatch.setattr(sys.modules[__name__], "BOUNCES", BOUNCES[:1])
+    seen = observed(7, round_of_one_size=False)
+    flights = fitted(seen.of(seen.times_s < 0.65))
+    _, down, up = BOUNCES[0]
+    slope = flights.slopes_of_e(0)
+    sigma = math.sqrt(slope @ flights.covariance @ slope)
+    off = float(flights.contacts[0, 3] / flights.contacts[0, 1]) - up / down
+    assert abs(off) < 2.3 * sigma
+    assert sigma < 0.01
