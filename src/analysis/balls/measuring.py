@@ -186,13 +186,12 @@ def _measured(
         if leans is None:
             leans = leans_of(placer, (own, motion, row_time), placed)
             looks = looks.leaning(leans.shifts)
-            found = replace(found, looks=looks)
     unsettled, moved, unsure = np.zeros(0), np.zeros((3, 0, 2)), np.zeros(0)
     if flights is not None:
         moved = shifts(looks, (bare, earlier, told_by), flights)
         unsettled, unsure = _last_change(coefficients), unsure_e(flights)
     measured = MeasuredBall(
-        search=found,
+        search=replace(found, looks=looks),
         placed=placed if flights is None else _placed(told_by, flights, moved),
         scatter=placed.sigmas if flights is None else apart_sigmas(flights, moved),
         times_s=times_s,

@@ -42,8 +42,8 @@ LEAST_BRIGHTNESS = 0.2
 RIM_SIGMA = 0.007
 """Relative error of a rim's radius where half of the ball is as dark as the ground."""
 ONE_SIDED_SIGMA = 0.015
-"""Relative error of a radius whose places lean by as much as the radius changes: light from one side
-leaves the other limb as dark as the ground, and what is taken for the rim ends before it."""
+"""Relative error of a radius whose places lean by as much as it changes: light from one side leaves
+the other limb as dark as the ground, and what is taken for the rim ends before it."""
 CODEC_PX = 0.4
 """Error of a rim's radius where a codec, or a telephone's sharpening, has been at it."""
 CODED_RADIUS_PX = 13.0
