@@ -39,6 +39,8 @@ LEAST_INFORMATION = 1e-20
 """Of a number that no place that counts depends on."""
 MOST_OPEN = 2.0
 """Standard error of a logarithm with which a film says nothing."""
+OPEN = 10.0
+"""Standard error of a logarithm of which nothing is known."""
 CONTRADICTION = 3.5
 """Standard errors between the scales of diameter and gravity beyond which one of them is wrong."""
 
@@ -76,8 +78,7 @@ def fit_flights(
             problem.begin = first
             fitted = min(fitted, _settle(problem, again=False), key=_left)
         if fitted is None or fitted.contradiction:
-            problem.prior_sigma[path.FALL] = 10.0
-            fitted = replace(_settle(problem, again=fitted is None and again), contradiction=True)
+            fitted = _by_fall(problem, again=again, by_sightings=fitted is None)
         kept = fitted.longest_chain(problem.high(fitted))
         if len(kept) == fitted.bounces + 1:
             return fitted
@@ -85,6 +86,21 @@ def fit_flights(
         observed = observed.of(np.isin(fitted.arcs, kept))
         start = start.of(slice(kept[0], kept[-1]) if kept else slice(0, 0))
     return None
+
+
+def _by_fall(problem: Problem, *, again: bool, by_sightings: bool) -> Flights:
+    """Fit flights that bend otherwise than the stated diameter says, without it.
+
+    Where sightings alone bend so, and the fitted places do not, the diameter counts again.
+    """
+    stated = problem.prior_sigma[path.FALL]
+    problem.prior_sigma[path.FALL] = OPEN
+    fitted = _settle(problem, again=by_sightings and again)
+    if not by_sightings or fitted.contradiction:
+        return replace(fitted, contradiction=True)
+    problem.prior_sigma[path.FALL] = stated
+    problem.begin = problem.logarithmic(fitted.values)
+    return _settle(problem, again=True)
 
 
 def _ran_off(fitted: Flights) -> bool:

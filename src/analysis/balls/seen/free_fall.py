@@ -24,6 +24,9 @@ LEAST_BEND = 1.5
 """In errors of a place: how far a flight lies off its chord, where it says anything."""
 SEEN_RADII, SEEN_PX = 0.03, 0.3
 """Error of a place as seen first."""
+AT_BOUNCE, LEAST_CLEAR = 2, 12
+"""Places next to a bounce, which may lie on its other side, and sightings of a flight that is long
+enough to go without them."""
 STEADY_RADII = 0.5
 """A ball that stays within so many radii for all its frames is not in flight."""
 
@@ -62,7 +65,10 @@ def _bend(arcs: Sequence[Arc], looks: Looks, fall: Floats) -> tuple[float, float
     """Return the bend of flights as a share of the fall, and its error; None: all too short."""
     error = SEEN_RADII * looks.radius_px + SEEN_PX
     weight = bend = 0.0
-    for arc in arcs:
+    for whole in arcs:
+        # A search with a wide tolerance follows a flight over its bounce.
+        count = len(whole.frames)
+        arc = whole.part(AT_BOUNCE, count - AT_BOUNCE) if count >= LEAST_CLEAR else whole
         lasts = float(arc.times_s[-1] - arc.times_s[0])
         if fall[0] * lasts**2 / 8 < LEAST_BEND * error:
             continue
@@ -108,8 +114,6 @@ SCATTER_RADII, SCATTER_PX = 0.02, 0.2
 PARABOLA, WITH_DRAG = 3, 5
 """Terms of a flight's rows: sightings show no drag, fitted places do."""
 LEAST_RESTING = LEAST_FRAMES
-AT_BOUNCE = 2
-"""Places next to a bounce, which may lie on its other side."""
 FITTED_RADII, FITTED_PX = 5e-4, 0.005
 """Scatter of fitted places that their light may leave."""
 

@@ -242,6 +242,14 @@ def test_a_fall_of_half_the_stated_diameter_is_fitted_from_what_the_flights_say(
         assert e == pytest.approx(up / down, abs=4 * sigma + 1e-3)
 
 
+def test_a_diameter_that_sightings_alone_contradict_counts_again_once_places_are_fitted() -> None:
+    observed = parabolas(np.random.default_rng(5))
+    found = fit_flights(observed, replace(start(), fall=0.6 * FALL), known())
+    assert found is not None
+    assert not found.contradiction
+    assert found.scale_px_per_m == pytest.approx(SCALE, rel=0.003)
+
+
 LASTS_S, FIRST = 2e-4, 1.5
 
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.balls.seen.arcs import Arc, joined
+from analysis.balls.seen.arcs import Arc, Chain, joined
+from analysis.balls.seen.free_fall import falls
+from analysis.balls.seen.looks import Looks
 
 Floats = NDArray[np.float64]
 
@@ -41,3 +43,21 @@ def test_short_hops_on_a_plate_stay_apart() -> None:
     hop = 300.0 - fallen(0.0, np.abs(np.arange(-5.0, 6.0)))
     hop = hop.min() + hop.max() - hop
     assert len(joined([arc(0, hop), arc(11, hop)], RADIUS, FALL, SHAPE)) == 2
+
+
+def test_a_fast_flight_that_is_followed_over_its_bounce_still_falls() -> None:
+    # In 36 frames at 1000 a second gravity bends the flight by 3.3 px, less than two places beyond
+    # the bounce do.
+    fall, gone = np.array([21800.0, 0.0]), np.arange(36.0) / 1000.0
+    rows = 30.0 + 3200.0 * gone + 0.5 * fall[0] * gone**2
+    turned = rows[-1] - np.array([3.0, 9.0])
+    frames = np.arange(38)
+    places = np.stack([np.concatenate([rows, turned]), np.full(38, 60.0)], axis=1)
+    flight = Arc(frames, frames / 1000.0, places, 38.0)
+    chain = Chain((flight,), np.zeros(0), np.zeros((0, 2)))
+    looks = Looks(26.0, 0.2, np.ones(1), np.ones(1), ())
+    assert falls(chain, looks, fall)
+    # A ball that is carried at one speed does not fall.
+    carried = np.stack([30.0 + 3200.0 * frames / 1000.0, np.full(38, 60.0)], axis=1)
+    steady = Chain((Arc(frames, frames / 1000.0, carried, 38.0),), np.zeros(0), np.zeros((0, 2)))
+    assert not falls(steady, looks, fall)
