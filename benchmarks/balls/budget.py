@@ -50,7 +50,8 @@ def budget(flights: Flights, bounce: int, sigma: float) -> dict[str, float]:
     found["level"] = abs(float(moved[LEVEL].sum())) / LEVEL_SIGMA
     fitted = float(slope @ moved)
     found["places"] = _root(fitted - _square(found))
-    found["ball's light and codec"] = _root(sigma**2 - fitted)
+    found["rise of the drift"] = abs(float(slope @ flights.by_rise))
+    found["ball's light and codec"] = _root(sigma**2 - fitted - found["rise of the drift"] ** 2)
     return dict(sorted(found.items(), key=lambda each: -each[1]))
 
 

@@ -101,11 +101,7 @@ def test_a_daemon_killed_in_a_sweep_and_started_again_is_found_by_the_open_page(
 
 def test_an_analysis_that_does_not_end_is_said_and_offered_again(page: Page, served: Any) -> None:
     start_with(served, 'method = "photometric"', DEAF)
-    page.goto(served.url)
-    if page.get_by_test_id("latched").is_visible():
-        page.get_by_test_id("release").click()
-        page.get_by_test_id("reason").fill("a drill")
-        page.get_by_test_id("release-now").click()
+    released(page, served)
     page.get_by_test_id("arm").click()
     page.get_by_test_id("fire").click()
     expect(page.get_by_test_id("refusal")).to_contain_text("took too long", timeout=LONG_MS)
@@ -115,13 +111,23 @@ def test_an_analysis_that_does_not_end_is_said_and_offered_again(page: Page, ser
 
 def test_an_interlock_that_refuses_is_marked_and_says_what_to_do(page: Page, served: Any) -> None:
     start_with(served, "free_disk_mb = 200.0", "free_disk_mb = 1e12")
-    page.goto(served.url)
+    released(page, served)
     page.get_by_test_id("arm").click()
     refused = page.get_by_test_id("interlocks").locator("tr.fails")
     expect(refused).to_contain_text("▲ disk", timeout=LONG_MS)
     expect(page.get_by_role("alert").filter(has_text="free")).to_be_visible()
     expect(page.get_by_test_id("fire")).to_be_hidden()
     expect(page.get_by_test_id("state")).to_have_text("idle")
+
+
+def released(page: Page, served: Any) -> None:
+    """Open the page, and release a rig that a daemon which was killed has left latched."""
+    page.goto(served.url)
+    expect(page.locator(".deaf")).to_have_count(0)
+    if page.get_by_test_id("latched").is_visible():
+        page.get_by_test_id("release").click()
+        page.get_by_test_id("reason").fill("a drill")
+        page.get_by_test_id("release-now").click()
 
 
 def start_with(served: Any, line: str, other: str) -> None:

@@ -193,12 +193,12 @@ def _open(low: float, high: float) -> Json:
 
 
 def _own_sigma(flights: Flights, index: int) -> float:
-    return math.sqrt(max(0.0, float(flights.covariance[index, index])))
+    return math.sqrt(max(0.0, float(flights.whole_covariance[index, index])))
 
 
 def _sigma(flights: Flights, bounce: int, number: int) -> float:
     slope = flights.contact_slopes[bounce, number]
-    return math.sqrt(max(0.0, float(slope @ flights.covariance @ slope)))
+    return math.sqrt(max(0.0, float(slope @ flights.whole_covariance @ slope)))
 
 
 def _speed(flights: Flights, bounce: int, number: int, sign: float) -> Json:
@@ -207,7 +207,7 @@ def _speed(flights: Flights, bounce: int, number: int, sign: float) -> Json:
     value = float(flights.contacts[bounce, number]) / scale
     slope = flights.contact_slopes[bounce, number].copy()
     slope[path.FALL] -= flights.contacts[bounce, number]
-    sigma = math.sqrt(max(0.0, float(slope @ flights.covariance @ slope))) / scale
+    sigma = math.sqrt(max(0.0, float(slope @ flights.whole_covariance @ slope))) / scale
     return Quantity(sign * value, sigma, "m/s").to_json()
 
 

@@ -29,6 +29,7 @@ from analysis.balls.systematics import (
     shifts,
     whole_sigmas,
 )
+from analysis.errors import ShotRefusedError
 
 REPEATS, MOST_REPEATS = 3, 5
 """Of learning the ball's light and fitting its flights: at least, and until e has settled."""
@@ -99,6 +100,11 @@ class MeasuredBall:
         return self.search.looks
 
     @property
+    def bounces(self) -> int:
+        """Return how many bounces were fitted."""
+        return 0 if self.flights is None else self.flights.bounces
+
+    @property
     def chain(self) -> Chain:
         """Return the arcs that were found first."""
         return self.search.chain
@@ -122,17 +128,25 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
         No ball, or none that flies freely.
     """
     gaps: list[Gap] = []
-    complete = False
+    complete, before = False, None
     while True:
-        measured, fit = _measured(film, times_s, ball, exposure_s, complete=complete)
+        try:
+            measured, fit = _measured(film, times_s, ball, exposure_s, complete=complete)
+        except ShotRefusedError:
+            if before is None:
+                raise
+            return before
+        if before is not None and measured.bounces < before.bounces:
+            return before
         own = measured.search.gaps
         if own and fit is not None and contradicted(fit[-1], own):
             complete = True
             continue
         gaps += own
         gap = None if fit is None or len(gaps) >= MOST_GAPS else find_gap(*fit)
+        before = replace(measured, gaps=tuple(sorted(gaps)))
         if gap is None:
-            return replace(measured, gaps=tuple(sorted(gaps)))
+            return before
         gaps.append(gap)
         times_s = mended(measured.times_s, [gap])
 
@@ -313,7 +327,7 @@ def coefficient(measured: MeasuredBall, bounce: int) -> tuple[float, float]:
         return math.nan, math.inf
     contact = flights.contacts[bounce]
     slope = flights.slopes_of_e(bounce)
-    variance = float(slope @ flights.covariance @ slope)
+    variance = float(slope @ flights.whole_covariance @ slope)
     coded = LEAST_CODEC_E if measured.head.compressed else 0.0
     told = float(measured.unsettled_e[bounce]), float(measured.unsure_e[bounce]), flights.doubt
     return float(contact[3] / contact[1]), math.hypot(math.sqrt(variance), *told, coded)

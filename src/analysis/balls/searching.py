@@ -208,11 +208,17 @@ def _without_jumps(
     """Return sightings with times by which most of them are flights, gaps of these, and flights."""
     fall = stated if flights is None else flights[2]
     gaps = tuple(jumps(seen, find_arcs(seen, looks.radius_px, fall), looks.radius_px, fall))
-    if gaps:
+    while gaps:
         later = replace(seen, times_s=mended(seen.times_s, gaps))
         again = _flights(later, looks, stated)
-        if again is not None and _whole(again) >= _whole(flights):
+        if again is None or _whole(again) < _whole(flights):
+            break
+        # What jumps before or after the ball's flights may be another thing.
+        flown_in = np.concatenate([arc.frames for arc in again[1].arcs])
+        inside = tuple(gap for gap in gaps if flown_in.min() < gap.frame <= flown_in.max())
+        if inside == gaps:
             return later, gaps, again
+        gaps = inside
     return seen, (), flights
 
 

@@ -20,6 +20,10 @@ HUBER_LIMIT = 3.0
 MOST_LASTING = 3.0
 """What lasts in the residuals, squared, may be this many times what the slow error leaves in them:
 of a flight of few correlation times it scatters by as much."""
+CHANCE_SIGMAS = 3.0
+"""Standard deviations of what fresh errors have in common by chance."""
+FARTHEST = 6.0
+"""Errors of an orientation beyond which it lies no further off, when what lasts is looked for."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,17 +88,20 @@ def fit_spin(times_s: Floats, rotations: Floats, covariances: Floats, drift: Dri
     predicted = np.array([turned(omega * time, start) for time in tau])
     residuals = rotation_vector(rotations @ predicted.transpose(0, 2, 1))
     left = drift.between_neighbours(times_s), passed_on, slow
-    lasting = _lasting(residuals, (slopes, whiten), left)
+    lasting = _lasting(residuals, (slopes, whiten), (left, inverse))
     return Spin(omega, (fresh + lasting * slow)[3:, 3:], chi2)
 
 
 def _lasting(
-    residuals: Floats, seen: tuple[Floats, Floats], left: tuple[Floats, Floats, Floats]
+    residuals: Floats,
+    seen: tuple[Floats, Floats],
+    left: tuple[tuple[Floats, Floats, Floats], Floats],
 ) -> float:
     """Return by how much the variance of the slow error is enlarged: 1 where it explains the rest.
 
-    Fresh errors of neighbouring frames have nothing in common, so that the mean of the products of
-    their residuals is that of the slow error alone, less what the fit has taken of it.
+    Fresh errors of neighbouring frames have nothing in common but what the fit has made of them, so
+    that the sum of the products of neighbouring residuals is that of the slow error, by chance off
+    by the square root of their number.
 
     Parameters
     ----------
@@ -105,19 +112,26 @@ def _lasting(
         errors, shape (frames, 3, 3).
     left
         Covariance of the slow error between each frame and the next, shape (frames - 1,), of it
-        and of what is fitted, shape (frames, 6, 3), and of what is fitted by it, shape (6, 6).
+        and of what is fitted, shape (frames, 6, 3), and of what is fitted by it, shape (6, 6); and
+        the covariance of what is fitted by fresh errors, shape (6, 6).
     """
     slopes, whiten = seen
-    between, passed_on, slow = left
+    (between, passed_on, slow), inverse = left
     if not between.any():
         return 1.0
     white = (whiten @ residuals[..., None])[..., 0]
+    # A frame or two in a wrong turn are no slow error.
+    white *= np.minimum(1.0, FARTHEST / np.maximum(np.linalg.norm(white, axis=1), 1.0))[:, None]
     common = float((white[1:] * white[:-1]).sum())
     here, ahead = slopes[:-1], slopes[1:].transpose(0, 2, 1)
     kept = between[:, None, None] * np.eye(3) - here @ passed_on[1:]
     kept = kept - passed_on[:-1].transpose(0, 2, 1) @ ahead + here @ slow @ ahead
-    expected = float(((whiten[:-1] @ kept) * whiten[1:]).sum())
-    return common / expected if common > MOST_LASTING * expected > 0.0 else 1.0
+    expected, of_fresh = (
+        float(((whiten[:-1] @ own) * whiten[1:]).sum()) for own in (kept, -here @ inverse @ ahead)
+    )
+    by_chance = CHANCE_SIGMAS * math.sqrt(residuals[1:].size)
+    beyond = common - of_fresh - by_chance
+    return beyond / expected if beyond > MOST_LASTING * expected > 0.0 else 1.0
 
 
 @compiled

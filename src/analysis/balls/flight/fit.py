@@ -244,8 +244,7 @@ def _described(problem: Problem, values: Floats, chosen: _Chosen) -> Flights:
     covariance[np.ix_(free, free)] = inverse * np.outer(unit, unit)
     since_s = problem.times(values)[used] - contacts[0, 0]
     pushed = covariance @ np.einsum("np,n->p", place_slopes[used, 0], since_s / errors[:, 0] ** 2)
-    pushed *= _unseen_rise(problem.natural(values), np.sqrt(np.diag(covariance)))
-    covariance += np.outer(pushed, pushed)
+    rise = _unseen_rise(problem.natural(values), np.sqrt(np.diag(covariance)))
     scaled = residuals[used] / observed.sigmas[used]
     freedom = max(1, 2 * int(used.sum()) - int(free.sum()))
     fall, fall_sigma = values[path.FALL], math.sqrt(covariance[path.FALL, path.FALL])
@@ -259,6 +258,7 @@ def _described(problem: Problem, values: Floats, chosen: _Chosen) -> Flights:
     return Flights(
         values=natural,
         covariance=covariance,
+        by_rise=rise * pushed,
         known_sigmas=problem.prior_sigma.copy(),
         contacts=contacts,
         contact_slopes=contact_slopes,

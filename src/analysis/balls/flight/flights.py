@@ -85,7 +85,11 @@ class Flights:
     Attributes
     ----------
     values, covariance
-        Of all numbers of `path`, shapes (P,) and (P, P); those held fixed have no error.
+        Of all numbers of `path`, shapes (P,) and (P, P); those held fixed have no error. The
+        inverse of what places and priors say, without `by_rise`.
+    by_rise
+        By how much the numbers change with one standard error of the speed at which what drifts
+        away from the camera seems to rise, beyond the covariance; shape (P,).
     known_sigmas
         With which each number is known beforehand: 0 where it is held, infinite where nothing is;
         shape (P,).
@@ -116,6 +120,7 @@ class Flights:
 
     values: Floats
     covariance: Floats
+    by_rise: Floats
     known_sigmas: Floats
     contacts: Floats
     contact_slopes: Floats
@@ -137,6 +142,11 @@ class Flights:
     def bounces(self) -> int:
         """Return how many bounces there are."""
         return len(self.contacts)
+
+    @property
+    def whole_covariance(self) -> Floats:
+        """Return the covariance of the numbers with all that is not known of them."""
+        return np.asarray(self.covariance + np.outer(self.by_rise, self.by_rise))
 
     @property
     def next_contact_s(self) -> float:

@@ -65,12 +65,8 @@ def _bend(arcs: Sequence[Arc], looks: Looks, fall: Floats) -> tuple[float, float
     """Return the bend of flights as a share of the fall, and its error; None: all too short."""
     error = SEEN_RADII * looks.radius_px + SEEN_PX
     weight = bend = 0.0
-    for whole in arcs:
-        # A search with a wide tolerance follows a flight over its bounce.
-        count = len(whole.frames)
-        arc = whole.part(AT_BOUNCE, count - AT_BOUNCE) if count >= LEAST_CLEAR else whole
-        lasts = float(arc.times_s[-1] - arc.times_s[0])
-        if fall[0] * lasts**2 / 8 < LEAST_BEND * error:
+    for arc in (_clear(each, error, fall) for each in arcs):
+        if not _bends(arc, error, fall):
             continue
         gone = arc.times_s - arc.times_s.mean()
         straight = np.stack([np.ones_like(gone), gone], axis=1)
@@ -81,6 +77,21 @@ def _bend(arcs: Sequence[Arc], looks: Looks, fall: Floats) -> tuple[float, float
     if weight == 0.0:
         return None
     return bend / weight / float(fall[0]), error / float(np.sqrt(weight) * fall[0])
+
+
+def _bends(arc: Arc, error: float, fall: Floats) -> bool:
+    """Return whether a flight is long enough to bend by more than errors of places."""
+    lasts = float(arc.times_s[-1] - arc.times_s[0])
+    return bool(fall[0] * lasts**2 / 8 >= LEAST_BEND * error)
+
+
+def _clear(arc: Arc, error: float, fall: Floats) -> Arc:
+    """Return a flight without its ends, which a wide search follows over bounces, if it bends."""
+    count = len(arc.frames)
+    if count < LEAST_CLEAR:
+        return arc
+    inside = arc.part(AT_BOUNCE, count - AT_BOUNCE)
+    return inside if _bends(inside, error, fall) else arc
 
 
 def flying(chain: Chain, looks: Looks, fall: Floats) -> Chain:

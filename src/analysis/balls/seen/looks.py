@@ -89,7 +89,7 @@ class Looks:
             By how much places move with a relative change of the radius, shape (N, 2): by nothing
             where the whole rim is seen, by the radius where one side is.
         """
-        share = float(np.median(np.hypot(*leans_px.T))) / self.radius_px
+        share = min(1.0, float(np.median(np.hypot(*leans_px.T))) / self.radius_px)
         sigma = ONE_SIDED_SIGMA * share**2 * self.radius_px
         return replace(self, radius_sigma_px=math.hypot(self.radius_sigma_px, sigma))
 

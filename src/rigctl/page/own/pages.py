@@ -243,7 +243,7 @@ class FilmView:
 
 KINDS = (
     "Films of a ball that bounces: MP4, MOV, AVI, MKV, NPY, Photron or Phantom; several at once.",
-    "The pictures of one film, all PNG or TIFF together.",
+    "The pictures of one film, all PNG, TIFF or DNG together.",
     "A table of impacts as CSV: speeds before and after, or heights of fall and rebound.",
     "A campaign of any laboratory: its exchange folder as one ZIP.",
 )

@@ -13,6 +13,8 @@ from analysis.balls.flight import path
 from analysis.balls.flight.fit import fit_flights
 from analysis.balls.flight.flights import Flights, Observed, Start
 from analysis.balls.flight.known import Ball, Known, View
+from analysis.balls.flight.lost import find_gap, unsure_e
+from analysis.balls.gaps import Gap
 from analysis.balls.systematics import apart_sigmas, whole_sigmas
 
 SCALE, FALL = 1000.0, 9806.65
@@ -248,6 +250,30 @@ def test_a_diameter_that_sightings_alone_contradict_counts_again_once_places_are
     assert found is not None
     assert not found.contradiction
     assert found.scale_px_per_m == pytest.approx(SCALE, rel=0.003)
+
+
+@pytest.mark.parametrize(("first", "count"), [(40, 1), (100, 2)])
+def test_frames_that_are_missing_are_found_where_and_as_many_as_they_are(
+    first: int, count: int
+) -> None:
+    whole = parabolas(np.random.default_rng(10))
+    kept = np.delete(np.arange(len(whole.frames)), np.arange(first, first + count))
+    times = whole.times_s[: len(kept)]
+    lacking = replace(whole.of(kept), frames=np.arange(len(kept)), times_s=times)
+    begun = start()
+    late = begun.times_s > first / RATE
+    begun = replace(begun, times_s=begun.times_s - late * count / RATE)
+    flights = fit_flights(lacking, begun, known())
+    assert flights is not None
+    assert find_gap(lacking, begun, known(), flights) == Gap(first, count)
+
+
+def test_no_frames_are_missing_from_a_film_that_is_whole() -> None:
+    whole = parabolas(np.random.default_rng(11))
+    flights = fit_flights(whole, start(), known())
+    assert flights is not None
+    assert find_gap(whole, start(), known(), flights) is None
+    assert unsure_e(flights) == pytest.approx(0.0)
 
 
 LASTS_S, FIRST = 2e-4, 1.5

@@ -137,7 +137,7 @@ def test_e_of_one_bounce_holds_the_rise_of_what_drifts_away_before_a_long_lens(
     flights = fitted(seen.of(seen.times_s < 0.65))
     _, down, up = BOUNCES[0]
     slope = flights.slopes_of_e(0)
-    sigma = math.sqrt(slope @ flights.covariance @ slope)
+    sigma = math.sqrt(slope @ flights.whole_covariance @ slope)
     off = float(flights.contacts[0, 3] / flights.contacts[0, 1]) - up / down
     assert abs(off) < 2.3 * sigma
     assert sigma < 0.01

@@ -93,6 +93,37 @@ def test_a_slow_error_far_larger_than_stated_is_seen_in_what_neighbouring_frames
     assert 0.8 < as_stated < 1.2
 
 
+def enlarged(rng: np.random.Generator, frames: int, *, wrong: float = 0.0) -> float:
+    """By how much the variance that a stated slow error adds exceeds what it adds by itself."""
+    stated, fresh, times = Drift(0.0005, 5e-3), np.full(3, 0.003), np.arange(frames) * 1e-3
+    rotations = turned(times=times)
+    covariances = np.tile(np.diag(fresh**2), (frames, 1, 1))
+    root = np.linalg.cholesky(stated.covariance(times))
+    slow = Rotation.from_rotvec(root @ rng.standard_normal((frames, 3))).as_matrix()
+    seen = slow @ shaken(rng, rotations, fresh)
+    for k in (frames // 3, frames // 3 + 1):
+        seen[k] = Rotation.from_rotvec([wrong, 0.0, 0.0]).as_matrix() @ seen[k]
+    added = [
+        np.trace(fit_spin(times, own, covariances, stated).covariance)
+        - np.trace(fit_spin(times, own, covariances, NO_DRIFT).covariance)
+        for own in (seen, rotations)
+    ]
+    return float(added[0] / added[1])
+
+
+@pytest.mark.parametrize("frames", [8, 20, 40])
+def test_chance_enlarges_no_slow_error(frames: int) -> None:
+    rng = np.random.default_rng(8)
+    grown = [enlarged(rng, frames) for _ in range(150)]
+    assert np.mean(np.array(grown) > 1.5) < 0.02
+
+
+def test_two_orientations_in_a_wrong_turn_are_no_slow_error() -> None:
+    rng = np.random.default_rng(9)
+    grown = [enlarged(rng, 40, wrong=0.3) for _ in range(20)]
+    assert np.median(grown) < 1.5
+
+
 def test_one_wrong_orientation_does_not_turn_the_spin() -> None:
     rng = np.random.default_rng(6)
     rotations = shaken(rng, turned(), SIGMA)
