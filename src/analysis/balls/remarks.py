@@ -317,9 +317,10 @@ def _unsettled(unsettled_e: Floats, flights: Flights) -> Iterator[str]:
 def _unsure(unsure_e: Floats, flights: Flights) -> Iterator[str]:
     """Name bounces whose e a time would change that seems to be missing."""
     for bounce in np.flatnonzero(unsure_e > UNSURE_E).tolist():
-        before = flights.observed.frames[flights.arcs <= bounce]
+        last = int(np.flatnonzero(flights.arcs <= bounce)[-1])
+        row, column = flights.observed.places[last]
         yield (
-            f"frames may be missing at bounce {bounce + 1}, after frame {before[-1]}, or in its "
-            "flights, or the film's rate varies and its times do not say so; the error of its e "
+            f"frames may be missing at bounce {bounce + 1}, after frame "
+            f"{flights.observed.frames[last]} at ({row:.0f}, {column:.0f}) px, or in its flights, or the film's rate varies and its times do not say so; the error of its e "
             f"holds what that changes ({unsure_e[bounce]:.3f})"
         )
