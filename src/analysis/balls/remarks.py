@@ -321,6 +321,7 @@ def _unsure(unsure_e: Floats, flights: Flights) -> Iterator[str]:
         row, column = flights.observed.places[last]
         yield (
             f"frames may be missing at bounce {bounce + 1}, after frame "
-            f"{flights.observed.frames[last]} at ({row:.0f}, {column:.0f}) px, or in its flights, or the film's rate varies and its times do not say so; the error of its e "
+            f"{flights.observed.frames[last]} at ({row:.0f}, {column:.0f}) px, or in its "
+            "flights, or the film's rate varies and its times do not say so; the error of its e "
             f"holds what that changes ({unsure_e[bounce]:.3f})"
         )
