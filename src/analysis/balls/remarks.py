@@ -304,24 +304,26 @@ def _of_flights(flights: Flights, head: FilmHead) -> Iterator[str]:
 def _unsettled(unsettled_e: Floats, flights: Flights) -> Iterator[str]:
     """Name bounces whose e goes on changing as often as the film is fitted."""
     for bounce in np.flatnonzero(unsettled_e > UNSETTLED_E).tolist():
-        last = int(np.flatnonzero(flights.arcs <= bounce)[-1])
-        row, column = flights.observed.places[last]
         yield (
-            f"e of bounce {bounce + 1}, after frame {flights.observed.frames[last]} at "
-            f"({row:.0f}, {column:.0f}) px, still changes by {unsettled_e[bounce]:.2f} each time "
-            "that the film is fitted: the film's rate varies and its times do not say so, or "
-            "something holds or hides the ball; the error of e holds as much"
+            f"e of bounce {bounce + 1}, {_before(flights, bounce)}, still changes by "
+            f"{unsettled_e[bounce]:.2f} each time that the film is fitted: the film's rate "
+            "varies and its times do not say so, or something holds or hides the ball; the error "
+            "of e holds as much"
         )
 
 
 def _unsure(unsure_e: Floats, flights: Flights) -> Iterator[str]:
     """Name bounces whose e a time would change that seems to be missing."""
     for bounce in np.flatnonzero(unsure_e > UNSURE_E).tolist():
-        last = int(np.flatnonzero(flights.arcs <= bounce)[-1])
-        row, column = flights.observed.places[last]
         yield (
-            f"frames may be missing at bounce {bounce + 1}, after frame "
-            f"{flights.observed.frames[last]} at ({row:.0f}, {column:.0f}) px, or in its "
+            f"frames may be missing at bounce {bounce + 1}, {_before(flights, bounce)}, or in its "
             "flights, or the film's rate varies and its times do not say so; the error of its e "
             f"holds what that changes ({unsure_e[bounce]:.3f})"
         )
+
+
+def _before(flights: Flights, bounce: int) -> str:
+    """Name the last frame before a bounce, and where the ball is in it."""
+    last = int(np.flatnonzero(flights.arcs <= bounce)[-1])
+    row, column = flights.observed.places[last]
+    return f"after frame {flights.observed.frames[last]} at ({row:.0f}, {column:.0f}) px"

@@ -1,8 +1,8 @@
-"""A ball that turns where it is: how it is told from one that flies, and its places.
+"""A ball that turns in place: the test that separates it from one that flies, and its positions.
 
-Places are shifts of its rim against the middle picture of the film: its blotches move and its rim
-does not. In each sector of the rim the light within is free, so that blotches that come to the rim
-do not move it.
+Positions are shifts of its rim against the middle picture of the film, as its blotches move and its
+rim does not. The brightness inside the rim is free in each sector, so that blotches at the rim do
+not shift it.
 """
 
 from __future__ import annotations
