@@ -26,6 +26,7 @@ from analysis.balls.systematics import (
     Leans,
     apart_sigmas,
     leans_of,
+    of_one_flight,
     shifts,
     whole_sigmas,
 )
@@ -200,20 +201,20 @@ def _measured(
         if leans is None:
             leans = leans_of(placer, (own, motion, row_time), placed)
             looks = looks.leaning(leans.shifts)
-    unsettled, moved, unsure = np.zeros(0), np.zeros((3, 0, 2)), np.zeros(0)
-    if flights is not None:
-        moved = shifts(looks, (bare, earlier, told_by), flights)
-        unsettled, unsure = _last_change(coefficients), unsure_e(flights)
+    if flights is None:
+        looks, placed, scatter = of_one_flight(placer, (windows, motion), placed, looks)
+    else:
+        placed, scatter = _placed(looks, (bare, earlier, told_by), flights)
     measured = MeasuredBall(
         search=replace(found, looks=looks),
-        placed=placed if flights is None else _placed(told_by, flights, moved),
-        scatter=placed.sigmas if flights is None else apart_sigmas(flights, moved),
+        placed=placed,
+        scatter=scatter,
         times_s=times_s,
         exposure_s=placer.exposure_s,
         exposure_found=None if told is None else float(told[1]),
         flights=flights,
-        unsettled_e=unsettled,
-        unsure_e=unsure,
+        unsettled_e=_last_change(coefficients),
+        unsure_e=np.zeros(0) if flights is None else unsure_e(flights),
         head=film.head,
     )
     return measured, fit
@@ -230,9 +231,15 @@ def _view(head: FilmHead, period_s: float, exposure_s: float) -> View:
     )
 
 
-def _placed(placed: Placed, flights: Flights, moved: Floats) -> Placed:
-    own = placed.of(np.isin(placed.frames, flights.observed.frames))
-    return replace(own, places=flights.observed.places, sigmas=whole_sigmas(flights, moved))
+def _placed(
+    looks: Looks, taught: tuple[Placed, Placed, Placed], flights: Flights
+) -> tuple[Placed, Floats]:
+    """Return places with all that is not known of them, and their errors beside one another."""
+    moved = shifts(looks, taught, flights)
+    own = taught[-1].of(np.isin(taught[-1].frames, flights.observed.frames))
+    sigmas = whole_sigmas(flights, moved)
+    placed = replace(own, places=flights.observed.places, sigmas=sigmas)
+    return placed, apart_sigmas(flights, moved)
 
 
 def _free(placed: Placed, chain: Chain) -> Placed:
@@ -268,6 +275,8 @@ def _outer(chain: Chain) -> tuple[Arc, Arc]:
 
 def _last_change(coefficients: Sequence[Floats]) -> Floats:
     """Return by how much e of each bounce has changed when the ball's light was learned last."""
+    if not coefficients:
+        return np.zeros(0)
     alike = [each for each in coefficients if len(each) == len(coefficients[-1])]
     return np.asarray(np.abs(alike[-1] - alike[max(0, len(alike) - 2)]))
 

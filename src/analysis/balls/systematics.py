@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,6 +83,52 @@ def _smooth(moved: Floats) -> Floats:
         size = max(float((mean**2).mean()), LEAST_SQUARE)
         smooth[:, axis] = max(0.0, 1.0 - noise / size) * mean
     return smooth
+
+
+CURVE, STRAIGHT = 5, 3
+"""Terms of a flight's rows, which the air and the camera bend, and of its columns."""
+
+
+def of_one_flight(
+    placer: Placer, seen: tuple[Sequence[Window], Motion], placed: Placed, looks: Looks
+) -> tuple[Looks, Placed, Floats]:
+    """Return the looks and places of a ball whose film has no bounce, and the scatter of these.
+
+    No flights are fitted, which would tell how far places lie from them: what radius and light of
+    the ball do to places is measured all the same, and the scatter is that about a smooth curve.
+
+    Returns
+    -------
+    Looks with the radius's error of a ball that is lit from one side; places with all that is not
+    known of them; their standard errors beside one another, px, shape (N, 2).
+    """
+    if not len(placed.frames):
+        return looks, placed, placed.sigmas
+    leans = leans_of(placer, (*seen, 0.0), placed)
+    looks = looks.leaning(leans.shifts)
+    placer.learn_light(*seen)
+    by_light = _moved(placed.frames, placed.places, placer.place(*seen))
+    by_light = _at_most(by_light, MOST_BY_LIGHT * looks.radius_px)
+    by_radius = leans.shifts * looks.radius_sigma_px / looks.radius_px
+    scatter = placed.sigmas * _about_a_curve(placed)
+    whole = np.sqrt(scatter**2 + by_radius**2 + by_light**2)
+    return looks, replace(placed, sigmas=whole), scatter
+
+
+def _about_a_curve(placed: Placed) -> Floats:
+    """Return by how much places scatter more than stated about a smooth curve, shape (2,)."""
+    larger = np.ones(2)
+    gone = np.interp(placed.frames, (placed.frames[0], placed.frames[-1]), (-1.0, 1.0))
+    for axis, terms in enumerate((CURVE, STRAIGHT)):
+        freedom = len(gone) - terms
+        if freedom < 1:
+            continue
+        weights = 1.0 / placed.sigmas[:, axis]
+        design = np.vander(gone, terms) * weights[:, None]
+        scaled = placed.places[:, axis] * weights
+        left = scaled - design @ np.linalg.lstsq(design, scaled, rcond=None)[0]
+        larger[axis] = max(1.0, float(np.sqrt((left**2).sum() / freedom)))
+    return larger
 
 
 def shifts(looks: Looks, taught: tuple[Placed, Placed, Placed], flights: Flights) -> Floats:

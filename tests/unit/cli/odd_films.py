@@ -152,3 +152,20 @@ def turning(sway: tuple[float, float] = (0.0, 0.0), count: int = 60) -> list[Dra
         noisy = blurred + rng.normal(0.0, 1.5, SHAPE)
         shown.append(np.asarray(np.clip(noisy, 0, 255), np.uint8))
     return shown
+
+
+def lit_from_above(rows: list[float], column: float = 60.0) -> list[Drawn]:
+    """Draw a ball whose light fades to that of the wall at its lower side: its rim ends before."""
+    fine = 5
+    down, right = (np.mgrid[: SHAPE[0] * fine, : SHAPE[1] * fine] + 0.5) / fine - 0.5
+    rng = np.random.default_rng(11)
+    shown = []
+    for row in rows:
+        height = (row - down) / RADIUS
+        light = 60.0 + 140.0 * np.clip(0.5 + height, 0.0, 1.0)
+        grey = np.where(np.hypot(height, (right - column) / RADIUS) < 1.0, light, 60.0)
+        small = grey.reshape(SHAPE[0], fine, SHAPE[1], fine).mean(axis=(1, 3))
+        blurred = np.asarray(cv2.GaussianBlur(small, (0, 0), 0.7), np.float64)
+        noisy = blurred + rng.normal(0.0, 1.5, SHAPE)
+        shown.append(np.asarray(np.clip(np.rint(noisy), 0, 255), np.uint8))
+    return shown

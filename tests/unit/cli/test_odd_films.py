@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tests.unit.cli import odd_films
-from tests.unit.cli.falling_ball import RATE, SIZE, Drawn, answer, save
+from tests.unit.cli.falling_ball import RADIUS, RATE, SIZE, Drawn, answer, bouncing, save
 
 Capsys = pytest.CaptureFixture[str]
 
@@ -74,6 +74,23 @@ def test_a_ball_that_leaves_on_a_side_has_its_flight_and_place_until_there(
     assert gone - 20 < frame < gone
     assert shot["impacts"] == []
     assert len(shot["positions"]["frame"]) > 40
+
+
+def test_places_of_a_ball_lit_from_one_side_have_its_radius_s_error_without_a_bounce_too(
+    tmp_path: Path, capsys: Capsys
+) -> None:
+    rows = bouncing()[:60]
+    shot = analysed(odd_films.lit_from_above(rows), tmp_path, capsys)
+    assert shot["impacts"] == []
+    placed = shot["positions"]
+    off = np.array(placed["row_px"]) - np.array(rows)[placed["frame"]]
+    stated = np.array(placed["sigma_row_px"])
+    assert np.sqrt(np.mean((off / stated) ** 2)) < 2.0
+    assert np.median(stated) < 0.5
+    # Beside one another they are as good as those of any ball.
+    assert np.median(placed["scatter_row_px"]) < 0.05
+    diameter = shot["ball"]["diameter_px"]
+    assert abs(diameter["value"] - 2 * RADIUS) < 3 * diameter["sigma"]
 
 
 def test_a_ball_that_comes_back_from_above_the_picture_is_in_one_flight(
