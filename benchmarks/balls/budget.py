@@ -47,6 +47,7 @@ def budget(flights: Flights, bounce: int, sigma: float) -> dict[str, float]:
     found = {name: math.sqrt(parts[list(own)].sum()) for name, own in SOURCES.items()}
     named = [index for own in SOURCES.values() for index in own]
     found["drift"] = math.sqrt(np.delete(parts, named).sum())
+    found["sizes"] = float(np.hypot.reduce(flights.by_sizes @ moved))
     found["level"] = abs(float(moved[LEVEL].sum())) / LEVEL_SIGMA
     fitted = float(slope @ moved)
     found["places"] = _root(fitted - _square(found))

@@ -23,9 +23,9 @@ from analysis.balls.seen.looks import Looks
 from analysis.balls.seen.placing import Placed, Placer
 from analysis.balls.seen.windows import Motion, Seen, Window, cut_windows
 from analysis.balls.systematics import (
-    Leans,
+    ByRadius,
     apart_sigmas,
-    leans_of,
+    by_radius,
     of_one_flight,
     shifts,
     whole_sigmas,
@@ -173,13 +173,13 @@ def _measured(
     told = None if exposure_s is not None else placer.learn_exposure(windows, motion, period)
     clear = _free(placer.place(windows, motion), chain)
     bare = placed = _let_go(clear, chain, times_s, looks.radius_px)
-    leans: Leans | None = None
+    of_radius: ByRadius | None = None
     flights, told_by, earlier, own, row_time = None, placed, placed, windows, 0.0
     coefficients: list[Floats] = []
     fit: _Fit | None = None
     for repeat in range(MOST_REPEATS if len(chain.times_s) else 0):
         view = _view(film.head, period, placer.exposure_s)
-        observed, start = _observed(placed, times_s, leans), _start(found)
+        observed, start = _observed(placed, times_s, of_radius), _start(found)
         stated = Known(ball, view, looks.radius_px, looks.radius_sigma_px)
         fitted = fit_flights(observed, start, stated, flights)
         if fitted is None:
@@ -198,9 +198,9 @@ def _measured(
         placer.learn_light(own, motion, row_time)
         placer.learn_blur(own, motion)
         placed = placer.place(own, motion, row_time)
-        if leans is None:
-            leans = leans_of(placer, (own, motion, row_time), placed)
-            looks = looks.leaning(leans.shifts)
+        if of_radius is None:
+            of_radius = by_radius(placer, (own, motion, row_time), placed)
+            looks = looks.leaning(of_radius.shifts)
     if flights is None:
         looks, placed, scatter = of_one_flight(placer, (windows, motion), placed, looks)
     else:
@@ -228,6 +228,7 @@ def _view(head: FilmHead, period_s: float, exposure_s: float) -> View:
         head.readout,
         focal_px=head.focal_px,
         principal_px=head.principal,
+        compressed=head.compressed,
     )
 
 
@@ -310,11 +311,14 @@ def _fitted_motion(flights: Flights) -> Motion:
     return Motion(placed.frames, here, (ahead - behind) / (2 * SPEED_STEP_S))
 
 
-def _observed(placed: Placed, times_s: Floats, leans: Leans | None) -> Observed:
+def _observed(placed: Placed, times_s: Floats, of_radius: ByRadius | None) -> Observed:
     least = LEAST_SIGMA * np.median(placed.sigmas, axis=0)
     sigmas = np.maximum(placed.sigmas, least)
-    lean = None if leans is None else leans.of(placed.frames)
-    return Observed(placed.frames, times_s[placed.frames], placed.places, sigmas, lean)
+    plain = Observed(placed.frames, times_s[placed.frames], placed.places, sigmas)
+    if of_radius is None:
+        return plain
+    own = of_radius.of(placed.frames)
+    return replace(plain, leans=own.shifts, sizes=own.sizes)
 
 
 def _start(found: Search) -> Start:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import erf
 
 from analysis.arrays import Floats
 from analysis.balls.flight.flights import Flights
@@ -14,8 +16,15 @@ from analysis.balls.seen.looks import Looks
 from analysis.balls.seen.placing import Placed, Placer
 from analysis.balls.seen.windows import Motion, Window
 
-RADIUS_STEP = 0.003
+RADIUS_STEP = 0.004
 """Of the radius: places follow it in proportion so far."""
+MOST_SIZE = 0.1
+"""A size that is further off is that of something else."""
+MOST_OFF = 2.5
+OFF = np.linspace(-MOST_OFF, MOST_OFF, 401)
+BY_PARABOLA = math.sqrt(math.pi) * erf(0.5 * OFF) * np.exp(0.25 * OFF**2)
+"""In blurs of the rim: how far off it lies, and what a parabola through three sums of squares makes
+of that."""
 NEIGHBOURS = 3
 """Frames before and after one with which its shift is taken together."""
 LEAST_SQUARE = 1e-12
@@ -28,30 +37,40 @@ MOST_BY_LIGHT = 0.03
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Leans:
-    """By how much places move with the ball's radius.
+class ByRadius:
+    """What another radius of the ball would do to each frame's fit.
 
     Attributes
     ----------
-    frames, shifts
-        Shape (N,), and px by a relative change of the radius, shape (N, 2).
+    frames
+        Shape (N,).
+    shifts
+        By how much places move, px by a relative change of the radius, shape (N, 2).
+    sizes
+        How much larger the ball is seen than the radius, relative, and the standard error of it by
+        the noise of pixels, shape (N, 2); nan where a frame shows none.
     """
 
     frames: NDArray[np.intp]
     shifts: Floats
+    sizes: Floats
 
-    def of(self, frames: NDArray[np.intp]) -> Floats:
-        """Return the shifts in some frames, none in those that are not known; shape (M, 2)."""
+    def of(self, frames: NDArray[np.intp]) -> ByRadius:
+        """Return the same of some frames: no shifts and no sizes in those that are not known."""
         _, own, theirs = np.intersect1d(frames, self.frames, return_indices=True)
-        found = np.zeros((len(frames), 2))
-        found[own] = self.shifts[theirs]
-        return found
+        shifts, sizes = np.zeros((len(frames), 2)), np.full((len(frames), 2), np.nan)
+        shifts[own], sizes[own] = self.shifts[theirs], self.sizes[theirs]
+        return ByRadius(frames, shifts, sizes)
 
 
-def leans_of(placer: Placer, seen: tuple[Sequence[Window], Motion, float], placed: Placed) -> Leans:
-    """Return by how much places move with the ball's radius.
+def by_radius(
+    placer: Placer, seen: tuple[Sequence[Window], Motion, float], placed: Placed
+) -> ByRadius:
+    """Return how places move with the ball's radius, and which radius each frame shows.
 
-    A radius moves the rim's darker side less than the brighter one.
+    A radius moves the rim's darker side less than the brighter one. The radius that leaves the
+    least of a frame's light is that of its own shading too, but the same in all frames: what
+    changes of it from frame to frame is the ball's size.
 
     Parameters
     ----------
@@ -61,11 +80,39 @@ def leans_of(placer: Placer, seen: tuple[Sequence[Window], Motion, float], place
         Places with the radius as it is.
     """
     radius = placer.radius_px
+    placer.radius_px = (1.0 - RADIUS_STEP) * radius
+    narrow = placer.place(*seen)
     placer.radius_px = (1.0 + RADIUS_STEP) * radius
     wide = placer.place(*seen)
     placer.radius_px = radius
-    moved = _moved(placed.frames, placed.places, wide) / RADIUS_STEP
-    return Leans(placed.frames, _smooth(_at_most(moved, MOST_BY_RADIUS * radius)))
+    moved = _moved(placed.frames, placed.places, wide) - _moved(
+        placed.frames, placed.places, narrow
+    )
+    shifts = _at_most(moved / (2.0 * RADIUS_STEP), MOST_BY_RADIUS * radius)
+    sizes = _sizes(narrow, placed, wide, placer.blur_px / radius)
+    return ByRadius(placed.frames, _smooth(shifts), sizes)
+
+
+def _sizes(narrow: Placed, placed: Placed, wide: Placed, blur: float) -> Floats:
+    """Return by which radius the sum of squares that fits leave is least; shape (N, 2).
+
+    An edge that is blurred by b and lies off by u b leaves squares whose slope goes with erf(u / 2)
+    and whose curve goes with exp(-u^2 / 4): a parabola is right near its bottom only.
+
+    Parameters
+    ----------
+    blur
+        Of the rim, in radii.
+    """
+    low, high = (
+        placed.left + _change(placed.frames, placed.left, other) for other in (narrow, wide)
+    )
+    curve = (high + low - 2.0 * placed.left) / RADIUS_STEP**2
+    with np.errstate(divide="ignore", invalid="ignore"):
+        size = blur * np.interp((low - high) / (2.0 * RADIUS_STEP * blur) / curve, BY_PARABOLA, OFF)
+        sigma = np.sqrt(2.0 * placed.misfits / curve)
+    shown = (curve > 0.0) & (np.abs(size) < min(MOST_SIZE, MOST_OFF * blur)) & np.isfinite(sigma)
+    return np.where(shown[:, None], np.column_stack([size, sigma]), np.nan)
 
 
 def _smooth(moved: Floats) -> Floats:
@@ -104,14 +151,14 @@ def of_one_flight(
     """
     if not len(placed.frames):
         return looks, placed, placed.sigmas
-    leans = leans_of(placer, (*seen, 0.0), placed)
-    looks = looks.leaning(leans.shifts)
+    of_radius = by_radius(placer, (*seen, 0.0), placed)
+    looks = looks.leaning(of_radius.shifts)
     placer.learn_light(*seen)
     by_light = _moved(placed.frames, placed.places, placer.place(*seen))
     by_light = _at_most(by_light, MOST_BY_LIGHT * looks.radius_px)
-    by_radius = leans.shifts * looks.radius_sigma_px / looks.radius_px
+    by_size = of_radius.shifts * looks.radius_sigma_px / looks.radius_px
     scatter = placed.sigmas * _about_a_curve(placed)
-    whole = np.sqrt(scatter**2 + by_radius**2 + by_light**2)
+    whole = np.sqrt(scatter**2 + by_size**2 + by_light**2)
     return looks, replace(placed, sigmas=whole), scatter
 
 
@@ -154,8 +201,16 @@ def shifts(looks: Looks, taught: tuple[Placed, Placed, Placed], flights: Flights
     by_last = _moved(last.frames, last.places, earlier)[np.isin(last.frames, placed.frames)]
     by_light = _moved(placed.frames, placed.places, bare)
     most = MOST_BY_LIGHT * looks.radius_px
-    by_radius = leans * looks.radius_sigma_px / looks.radius_px
-    return np.stack([by_radius, _at_most(by_last, most), _at_most(by_light, most)])
+    by_size = leans * looks.radius_sigma_px / looks.radius_px
+    return np.stack([by_size, _at_most(by_last, most), _at_most(by_light, most)])
+
+
+def _change(frames: NDArray[np.intp], left: Floats, other: Placed) -> Floats:
+    """Return what another fit leaves less what these leave; nan where it has no such frame."""
+    _, own, theirs = np.intersect1d(frames, other.frames, return_indices=True)
+    change = np.full(len(frames), np.nan)
+    change[own] = other.left[theirs] - left[own]
+    return change
 
 
 def _at_most(moved: Floats, most: float) -> Floats:

@@ -153,7 +153,10 @@ def _solve(
     units = problem.units[loose]
     known = np.isfinite(problem.prior_sigma) & loose
     errors = (problem.observed.sigmas * enlarge)[used]
-    straight = _straight_slopes(problem, known, loose)
+    by_sizes = problem.by_sizes if loose[path.DEPTH] else problem.by_sizes[:0]
+    straight = np.vstack(
+        [_straight_slopes(problem, known, loose), (by_sizes * problem.units)[:, loose]]
+    )
 
     def at(step: Floats) -> Floats:
         moved = values.copy()
@@ -169,7 +172,8 @@ def _solve(
         moved = at(step)
         prior = (moved[known] - problem.prior[known]) / problem.prior_sigma[known]
         level = moved[LEVEL].sum(keepdims=True) / LEVEL_SIGMA if loose[LEVEL].all() else prior[:0]
-        every = np.concatenate([own - seen(moved), prior, level])
+        sizes = (problem.by_sizes @ moved - problem.drift.target)[: len(by_sizes)]
+        every = np.concatenate([own - seen(moved), prior, level, sizes])
         return np.asarray(np.nan_to_num(every, nan=1e6, posinf=1e6, neginf=-1e6))
 
     def slopes(step: Floats) -> Floats:
@@ -237,6 +241,8 @@ def _described(problem: Problem, values: Floats, chosen: _Chosen) -> Flights:
     normal += np.diag(1.0 / problem.prior_sigma[free] ** 2)
     both = np.flatnonzero(np.isin(np.flatnonzero(free), LEVEL))
     normal[np.ix_(both, both)] += 1.0 / LEVEL_SIGMA**2
+    by_sizes = problem.by_sizes[:, free]
+    normal += by_sizes.T @ by_sizes
     covariance = np.zeros((len(values), len(values)))
     # The numbers' units lie many powers of ten apart.
     unit = 1.0 / np.sqrt(np.maximum(np.diag(normal), LEAST_INFORMATION))
@@ -260,6 +266,7 @@ def _described(problem: Problem, values: Floats, chosen: _Chosen) -> Flights:
         covariance=covariance,
         by_rise=rise * pushed,
         known_sigmas=problem.prior_sigma.copy(),
+        by_sizes=problem.by_sizes,
         contacts=contacts,
         contact_slopes=contact_slopes,
         observed=replace(observed, places=observed.places - problem.taken(values, arcs)),
@@ -290,7 +297,7 @@ def _unseen_rise(values: Floats, sigmas: Floats) -> float:
     per_perspective = side**2 / max(values[path.ASLANT], path.LEAST_ASLANT)
     rise, by_look = path.rise(values), sigmas[path.PERSPECTIVE] * per_perspective
     spread = sigmas[path.ASLANT]
-    square = (rise**2 + by_look**2) * math.exp(spread**2)
+    square = (rise**2 + by_look**2) * (1.0 + spread**2)
     # A camera stands with its line of sight near the plane of the flight, whatever its lens.
     square = min(square, rise**2 + LOOK_SIGMA**2 * per_perspective * math.exp(0.5 * spread**2))
     in_slopes = rise**2 * (1.0 + spread**2) + by_look**2

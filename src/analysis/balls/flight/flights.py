@@ -30,6 +30,10 @@ class Observed:
     leans
         Change of each place, as it was fitted with one radius for all, by a relative change of the
         outline, px; shape (N, 2). None: not known.
+    sizes
+        How much larger the ball is seen in each frame than the radius with which its places were
+        fitted, relative, and its standard error; shape (N, 2). Nan, and None for all frames: not
+        known.
     """
 
     frames: Ints
@@ -37,6 +41,7 @@ class Observed:
     places: Floats
     sigmas: Floats
     leans: Floats | None = None
+    sizes: Floats | None = None
 
     def of(self, chosen: NDArray[np.bool_]) -> Observed:
         """Return some of them."""
@@ -46,6 +51,7 @@ class Observed:
             self.places[chosen],
             self.sigmas[chosen],
             None if self.leans is None else self.leans[chosen],
+            None if self.sizes is None else self.sizes[chosen],
         )
 
 
@@ -93,6 +99,9 @@ class Flights:
     known_sigmas
         With which each number is known beforehand: 0 where it is held, infinite where nothing is;
         shape (P,).
+    by_sizes
+        What the ball's sizes say of the numbers, as the weights of equations whose errors are 1;
+        shape (M, P).
     contacts, contact_slopes
         Of each bounce as `path.places` gives them, shape (B, 6), and their derivatives to the
         values, shape (B, 6, P).
@@ -122,6 +131,7 @@ class Flights:
     covariance: Floats
     by_rise: Floats
     known_sigmas: Floats
+    by_sizes: Floats
     contacts: Floats
     contact_slopes: Floats
     observed: Observed

@@ -27,11 +27,13 @@ LOOK_SIGMA = 0.1
 """rad, of a camera's line of sight against the plane of the flight."""
 LEAST_FOCUS = 1.0
 """Focal lengths are this many of the picture's larger sides at least."""
-ASLANT, ASLANT_SPREAD = 0.3, 1.2
-"""Squared larger side of the picture over the focal length, from long lenses (0.03) to those of
-telephones (2), and the spread of its logarithm."""
+NEAREST_M, VIEWS_AWAY, AWAY_SPREAD = 0.4, 1.6, 0.8
+"""A camera stands that far off, and so many times the larger side of what it sees, where that is
+little with a long lens and where it is much; the spread of the distance's logarithm."""
 DRIFT_SHARE = 0.02
 """Of a dropped ball's speed: how much of it is sideways at least."""
+FRICTION_LEAVES = 5.0 / 7.0
+"""Of the speed across of a solid ball that begins to roll, without spin before."""
 READOUT_SHARE = 0.5
 """Of the time between frames: the middle of what rolling shutters take to read a frame."""
 STAY_S = 5e-4
@@ -122,6 +124,8 @@ class View:
     principal_px
         Principal point, (row, column) of the part of the picture that is looked at; None: the whole
         picture's middle.
+    compressed
+        Whether a codec has been at the pictures.
     """
 
     height: int
@@ -132,17 +136,25 @@ class View:
     row_time_s: float | None = None
     focal_px: tuple[float, float] | None = None
     principal_px: tuple[float, float] | None = None
+    compressed: bool = False
 
     def principal(self) -> tuple[float, float]:
         """Return row and column of the principal point."""
         return self.principal_px or (0.5 * (self.height - 1), 0.5 * (self.width - 1))
 
-    def aslant(self) -> tuple[float, float]:
-        """Return the logarithm of the squared larger side over the focal length, and its error."""
-        if self.focal_px is None:
-            return math.log(ASLANT), ASLANT_SPREAD
-        focal, sigma = self.focal_px
-        return 2.0 * math.log(max(self.height, self.width) / focal), 2.0 * sigma / focal
+    def aslant(self, scale_px_per_m: float) -> tuple[float, float]:
+        """Return the logarithm of the squared larger side over the focal length, and its error.
+
+        The side of what is seen over the camera's distance is the same. A focal length that nobody
+        states is between a telephone's before a room and a long lens' before a bench.
+        """
+        side = max(self.height, self.width)
+        if self.focal_px is not None:
+            focal, sigma = self.focal_px
+            return 2.0 * math.log(side / focal), 2.0 * sigma / focal
+        seen_m = side / scale_px_per_m
+        distance = NEAREST_M + VIEWS_AWAY * seen_m
+        return 2.0 * math.log(seen_m / distance), 2.0 * AWAY_SPREAD
 
     def row_time(self) -> tuple[float, float]:
         """Return the time a row is read after the one above, and its standard error, s."""
@@ -168,6 +180,24 @@ class View:
         down = np.abs(np.concatenate([before[:, 0], after[:, 0]]))
         drift = math.hypot(float(np.sqrt((across**2).mean())), DRIFT_SHARE * float(down.mean()))
         return drift / (LEAST_FOCUS * max(self.height, self.width))
+
+    def receding_by_spin(self, before: Floats, after: Floats, aslant: float) -> Floats:
+        """Return how much of a speed away from the camera spins give at bounces, shape (B,).
+
+        As much as across the picture, where friction alone leaves between 5/7 and all of a speed.
+        Distances of the camera a second.
+
+        Parameters
+        ----------
+        before, after
+            Speeds at the bounces (row, column), px/s, shape (B, 2).
+        aslant
+            Larger side of the picture over the focal length, squared.
+        """
+        slowed = FRICTION_LEAVES * before[:, 1]
+        least, most = np.minimum(slowed, before[:, 1]), np.maximum(slowed, before[:, 1])
+        gained = np.abs(after[:, 1] - np.clip(after[:, 1], least, most))
+        return np.asarray(gained * math.sqrt(aslant) / max(self.height, self.width))
 
     def perspective_sigma(self) -> float:
         """Return the standard error of the perspective term about zero, 1/px."""

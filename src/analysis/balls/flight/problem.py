@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from analysis.arrays import Floats
 from analysis.balls.flight import path
+from analysis.balls.flight.drift import drift
 from analysis.balls.flight.flights import Flights, Ints, Observed, Start
 from analysis.balls.flight.known import (
     BARREL_SIGMA,
@@ -48,7 +49,8 @@ MARGIN = 0.03
 LAST_MARGIN = 0.5
 """The same before the bounce that ends the last flight, whose time is not fitted."""
 GAIN_SHARE = 0.3
-"""Of a ball's drift along the line of sight: by how much a bounce changes it."""
+"""Of a ball's drift along the line of sight: by how much a bounce changes it without spin, as
+friction takes up to 2/7 of a speed across."""
 NEAR_RADII = 1.5
 """Heights over the plate at which a ball lies over its shadow."""
 LOW_RADII = 0.5
@@ -83,17 +85,33 @@ class Problem:
         know(path.HALF, 0.5 * (max(view.height, view.width) - 1), 0.0)
         know(path.BIAS, 0.0, SMEAR_SIGMA * view.exposure_s)
         know(path.BARREL, 0.0, BARREL_SIGMA)
-        know(path.ASLANT, *view.aslant())
+        know(path.ASLANT, *view.aslant(self.scale))
         know(path.OUTLINE, 0.0, known.outline_sigma() if observed.leans is not None else 0.0)
         receding = view.receding_sigma(start.before, start.after)
         know(path.DEPTH, 0.0, receding)
-        for index in range(path.COMMON + 2, count, path.EACH):
-            know(index, 0.0, GAIN_SHARE * receding)
         self.begin = self._begin(start)
         self.plate_row, self.radius_px = float(self.begin[path.PLATE]), known.radius_px
+        high = ~self.near(observed.places)
+        self.drift = drift(observed, start.times_s, high, known)
+        self.by_sizes = self.drift.weights @ self._told(count)
+        drifts = self.drift.of_all_flights(receding)
+        aslant = math.exp(self.prior[path.ASLANT])
+        kicks = view.receding_by_spin(start.before, start.after, aslant)
+        for k, kick in enumerate(kicks.tolist()):
+            sigma = math.hypot(GAIN_SHARE * drifts, kick)
+            know(path.COMMON + path.EACH * k + 2, 0.0, sigma)
         self.units = self._units()
         self.free = self.prior_sigma > 0
         self.exposure = view.exposure_s
+
+    def _told(self, count: int) -> Floats:
+        """Return derivatives of what sizes tell of to the fit's numbers, shape (B + 2, P)."""
+        told = np.zeros((self.bounces + 2, count))
+        told[:-1, path.DEPTH] = 1.0
+        for k in range(self.bounces):
+            told[k + 1 : -1, path.COMMON + path.EACH * k + 2] = 1.0
+        told[-1, path.PERSPECTIVE] = 1.0
+        return told
 
     def _begin(self, start: Start) -> Floats:
         values = np.where(np.isfinite(self.prior), self.prior, 0.0)

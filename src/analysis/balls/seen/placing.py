@@ -51,16 +51,20 @@ class Placed:
         Shapes (N,), (N, 2), (N, 2).
     misfits
         Mean square of what each fit leaves about the ball, shape (N,).
+    left
+        Sum of squares of what it leaves in all of its window, shape (N,): about another radius the
+        ball covers other pixels of the same window.
     """
 
     frames: Ints
     places: Floats
     sigmas: Floats
     misfits: Floats
+    left: Floats
 
     def of(self, chosen: NDArray[np.bool_]) -> Placed:
         """Return some of them."""
-        parts = (self.places, self.sigmas, self.misfits)
+        parts = (self.places, self.sigmas, self.misfits, self.left)
         return Placed(self.frames[chosen], *(each[chosen] for each in parts))
 
 
@@ -166,12 +170,12 @@ class Placer:
         found = np.full(len(windows), np.inf)
         for k, (window, fit, _) in enumerate(self._fits(windows, motion, 0.0)):
             if fit[5] > 0:
-                found[k] = float((window.pixels[WEIGHT] * window.pixels[RESIDUAL] ** 2).sum())
+                found[k] = _left(window)
         return found
 
     def place(self, windows: Sequence[Window], motion: Motion, row_time_s: float = 0.0) -> Placed:
         """Fit the ball in each window; frames in which it is not where it is expected drop out."""
-        frames, places, sigmas, misfits = [], [], [], []
+        frames, places, sigmas, misfits, left = [], [], [], [], []
         for window, fit, _ in self._fits(windows, motion, row_time_s):
             if fit[5] <= 0 or window.factor * fit[6] > FURTHEST_RADII * self.radius_px:
                 continue
@@ -179,11 +183,13 @@ class Placer:
             places.append(window.outward(fit[:2]))
             sigmas.append(window.factor * fit[2:4])
             misfits.append(fit[4])
+            left.append(_left(window))
         return Placed(
             np.array(frames, dtype=np.intp),
             np.array(places).reshape(-1, 2),
             np.maximum(np.array(sigmas).reshape(-1, 2), 1e-4),
             np.array(misfits, dtype=np.float64),
+            np.array(left, dtype=np.float64),
         )
 
     def learn_light(
@@ -216,6 +222,11 @@ class Placer:
             pose = np.array([*window.inward(motion.places[k]), *shape, *way])
             found.append((window, fit_place(window.pixels, pose, self.table), pose))
         return found
+
+
+def _left(window: Window) -> float:
+    """Return the sum of squares that the last fit leaves in a window."""
+    return float((window.pixels[WEIGHT] * window.pixels[RESIDUAL] ** 2).sum())
 
 
 def _about(tried: Sequence[float], value: float) -> list[float]:

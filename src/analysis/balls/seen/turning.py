@@ -165,7 +165,8 @@ def place_turning(film: Film, disc: Disc, ground: Picture) -> Placed | None:
     places = fits[:, :2] + (disc.row, disc.column)
     # What blotches at the rim do to a place lasts for many frames; its size is the film's scatter.
     sigmas = np.maximum(fits[:, 2:4], places.std(axis=0))
-    return Placed(np.arange(len(fits), dtype=np.intp), places, sigmas, fits[:, 4])
+    left = fits[:, 4] * rim.pixels.shape[1]
+    return Placed(np.arange(len(fits), dtype=np.intp), places, sigmas, fits[:, 4], left)
 
 
 def _of_channel(picture: Picture, head: FilmHead, weights: Floats) -> Floats:

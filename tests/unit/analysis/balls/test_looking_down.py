@@ -11,6 +11,7 @@ import pytest
 
 from analysis.arrays import Floats
 from analysis.balls.flight import path
+from analysis.balls.flight.drift import drift
 from analysis.balls.flight.fit import fit_flights
 from analysis.balls.flight.flights import Flights, Observed, Start
 from analysis.balls.flight.known import Ball, Known, View
@@ -20,6 +21,7 @@ DRIFT, ACROSS = 0.03, 0.05
 RATE, NOISE, RADIUS = 240.0, 0.004, 20.0
 G = 9.80665
 BOUNCES = [(0.3, 2.4, 1.9), (0.3 + 2 * 1.9 / G, 1.9, 1.45)]
+SIZE_NOISE = 1e-3
 LEAN_PX = -18.0
 """Of a place, by a relative change of the outline: only the lower rim is seen."""
 
@@ -124,14 +126,14 @@ def test_the_part_of_a_picture_that_is_looked_at_changes_nothing_but_where_rows_
     assert cut.observed.places + corner == pytest.approx(whole.observed.places, abs=1e-4)
 
 
-@pytest.mark.parametrize("drift", [-0.04, 0.04])
+@pytest.mark.parametrize("away", [-0.04, 0.04])
 def test_e_of_one_bounce_holds_the_rise_of_what_drifts_away_before_a_long_lens(
-    drift: float, monkeypatch: pytest.MonkeyPatch
+    away: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # A long lens that looks down sees what drifts away rise: 1.1 px/s here, of 1120 px/s.
     monkeypatch.setattr(sys.modules[__name__], "FOCAL", 1900.0)
     monkeypatch.setattr(sys.modules[__name__], "AWAY_M", 4.0)
-    monkeypatch.setattr(sys.modules[__name__], "DRIFT", drift)
+    monkeypatch.setattr(sys.modules[__name__], "DRIFT", away)
     monkeypatch.setattr(sys.modules[__name__], "BOUNCES", BOUNCES[:1])
     seen = observed(7, round_of_one_size=False)
     flights = fitted(seen.of(seen.times_s < 0.65))
@@ -141,3 +143,59 @@ def test_e_of_one_bounce_holds_the_rise_of_what_drifts_away_before_a_long_lens(
     off = float(flights.contacts[0, 3] / flights.contacts[0, 1]) - up / down
     assert abs(off) < 2.3 * sigma
     assert sigma < 0.01
+    # Beside its size in each frame: how fast it drifts is known.
+    rng = np.random.default_rng(8)
+    ahead, _ = ahead_and_place(seen.times_s)
+    noise = SIZE_NOISE * rng.standard_normal(len(ahead))
+    sizes = np.stack([ahead.mean() / ahead - 1.0 + noise, np.full(len(ahead), SIZE_NOISE)], axis=1)
+    sized = fitted(replace(seen, sizes=sizes).of(seen.times_s < 0.65))
+    slope = sized.slopes_of_e(0)
+    known = math.sqrt(slope @ sized.whole_covariance @ slope)
+    off = float(sized.contacts[0, 3] / sized.contacts[0, 1]) - up / down
+    assert abs(off) < 2.3 * known < 2.5 * sigma
+    rate, rate_sigma = sized.values[path.DEPTH], math.sqrt(sized.covariance[path.DEPTH, path.DEPTH])
+    assert abs(rate - away / AWAY_M) < 3 * rate_sigma < 0.006
+
+
+def sizes_of(rates: tuple[float, float], seed: int, *, compressed: bool) -> tuple[Floats, Floats]:
+    """Return the rates by sizes, and their errors, of a ball that drifts so about one bounce."""
+    rng = np.random.default_rng(seed)
+    seen = observed(9, round_of_one_size=False)
+    bounce = BOUNCES[0][0]
+    gone = seen.times_s - bounce
+    sizes = 0.01 - np.where(gone < 0, rates[0], rates[1]) * gone
+    # One edge of the ball is lost in a dark part of the wall, the more the lower it is.
+    sizes += 3e-4 * (seen.places[:, 0] - 240.0) / RADIUS
+    sizes += SIZE_NOISE * rng.standard_normal(len(gone))
+    sizes[::9] -= 0.1
+    errors = np.full(len(gone), 0.5 * SIZE_NOISE)
+    known = Known(Ball(0.04), View(480, 200, 1 / RATE, 0.0, compressed=compressed), RADIUS)
+    sized = replace(seen, sizes=np.stack([sizes, errors], axis=1))
+    told = drift(sized, np.array([bounce]), np.ones(len(gone), bool), known)
+    # With what a line of sight within 0.1 rad can have of a perspective.
+    information = told.weights.T @ told.weights + np.diag([0.0, 0.0, (480 / 0.1) ** 2])
+    covariance = np.linalg.inv(information)
+    return (covariance @ (told.weights.T @ told.target))[:2], np.sqrt(np.diag(covariance))[:2]
+
+
+@pytest.mark.parametrize("compressed", [False, True])
+def test_sizes_show_drifts_before_and_after_a_bounce_within_their_errors(
+    compressed: bool,
+) -> None:
+    rates = (0.03, 0.02)
+    pulls = []
+    for seed in range(12):
+        found, sigmas = sizes_of(rates, seed, compressed=compressed)
+        pulls.append((found - rates) / sigmas)
+        assert sigmas.max() < (0.05 if compressed else 0.03)
+    assert np.abs(pulls).max() < 4
+
+
+def test_films_without_sizes_say_nothing_of_drifts() -> None:
+    seen = observed(9, round_of_one_size=False)
+    known = Known(Ball(0.04), View(480, 200, 1 / RATE, 0.0), RADIUS)
+    lost = replace(seen, sizes=np.full((len(seen.frames), 2), np.nan))
+    for each in (seen, lost):
+        told = drift(each, np.array([0.3]), np.ones(len(seen.frames), bool), known)
+        assert told.weights.shape == (0, 3)
+        assert told.of_all_flights(0.7) == pytest.approx(0.7)

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from analysis.balls.seen.photometry import MAP_SIDE, fit_place
 from analysis.balls.seen.placing import Placer
 from analysis.balls.seen.windows import Motion, Window
+from analysis.balls.systematics import by_radius
 
 Floats = NDArray[np.float64]
 
@@ -16,7 +17,9 @@ FINE = 5
 PERIOD_S = 1.0 / 240.0
 
 
-def ball(row: float, column: float, smear: float = 0.0, shadow: float = 0.0) -> Floats:
+def ball(
+    row: float, column: float, smear: float = 0.0, shadow: float = 0.0, radius: float = RADIUS
+) -> Floats:
     """Draw a ball lit from above before a wall and over a floor as bright as its lower half.
 
     Smeared along the rows; a shadow of that depth lies on the floor below it.
@@ -28,7 +31,7 @@ def ball(row: float, column: float, smear: float = 0.0, shadow: float = 0.0) -> 
         dr, dc = rows - row - ((k + 0.5) / steps - 0.5) * smear, columns - column
         light = ground_of(rows)
         light = light - shadow * (np.hypot(dr - 0.9 * RADIUS, 0.5 * dc) < 0.6 * RADIUS)
-        light = np.where(np.hypot(dr, dc) < RADIUS, 0.8 - 0.5 * dr / RADIUS, light)
+        light = np.where(np.hypot(dr, dc) < radius, 0.8 - 0.5 * dr / radius, light)
         whole += light.reshape(SIZE, FINE, SIZE, FINE).mean(axis=(1, 3)) / steps
     noise = np.random.default_rng(int(100 * row)).normal(0.0, 0.005, whole.shape)
     return np.asarray(whole + noise)
@@ -100,3 +103,21 @@ def _blocks(layers: Floats, factor: int) -> Floats:
     rows, columns = (side // factor for side in layers.shape[1:])
     starts = [layers[:, i::factor, j::factor] for i in range(factor) for j in range(factor)]
     return np.asarray(np.mean([each[:, :rows, :columns] for each in starts], axis=0))
+
+
+def test_a_ball_that_comes_nearer_is_seen_to_grow_by_what_it_does() -> None:
+    grown = np.linspace(-0.006, 0.006, 9)
+    rows = np.linspace(20.3, 30.1, 9)
+    places = np.stack([rows, np.full(9, 40.2)], axis=1)
+    windows = [
+        window(k, ball(row, 40.2, radius=RADIUS * (1.0 + own)))
+        for k, (row, own) in enumerate(zip(rows.tolist(), grown.tolist(), strict=True))
+    ]
+    placer = Placer.new(1.003 * RADIUS, 0.0)
+    placer.blur_px = 0.4
+    motion = Motion(np.arange(9), places, np.zeros((9, 2)))
+    found = by_radius(placer, (windows, motion, 0.0), placer.place(windows, motion))
+    off = found.sizes[:, 0] - (grown - 0.003)
+    assert np.abs(off - off.mean()).max() < 5 * found.sizes[:, 1].max() < 0.01
+    # Its dark side moves less with the radius than the side that is seen.
+    assert (found.shifts[:, 0] > 0).all()
