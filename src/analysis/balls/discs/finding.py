@@ -13,16 +13,20 @@ from numpy.typing import NDArray
 from analysis.arrays import Floats, Singles
 from analysis.balls.discs.gradient import RADIUS_STEP, SIGMA_PX, Gradient, candidates, gradient
 from analysis.balls.discs.judging import (
-    CORRELATED,
     LEAST_SECTORS,
     PASSES,
     false_alarms,
     fit_circle,
-    refined,
-    with_rim,
 )
+from analysis.balls.discs.rims import fit_rim
 
-SEARCH_RADIUS_PX = 12.5
+CORRELATED = 2.5
+"""By how much neighbouring edge points, which share what noise the filter saw, enlarge errors."""
+RIM_PX = 0.005
+"""Error of any rim on a grid of pixels."""
+NO_RIM_RADII = 0.1
+"""Error of a disc, in its radii, whose rim the edges of the whole picture do not show."""
+SEARCH_RADIUS_PX = 16.0
 """Larger discs are sought in a smaller picture, where their radius is one to two of these."""
 SURE = -6.0
 """log10 of the number of false alarms of a disc that is reported."""
@@ -119,12 +123,12 @@ def _of_versions(values: Singles, sought: _Sought, versions: tuple[int | None, .
     radius_steps = max(1.0, math.log(radii[1] / radii[0]) / math.log(RADIUS_STEP))
     tests = math.log10(values.shape[0] * values.shape[1] * radius_steps * len(versions))
     levels = list(_levels(values, sought, versions))
-    alive = [np.ones(len(level.gradient.edges), np.bool_) for level in levels]
+    weights = [np.ones(len(level.gradient.edges), np.float32) for level in levels]
     waiting: list[_Candidate] = []
     for index, level in enumerate(levels):
         edges, shape = level.gradient.edges, level.taken.shape
         for place in candidates(edges, shape, level.radii)[:, 1:]:
-            disc = _judged(level, alive[index], place, tests)
+            disc = _judged(level, weights[index], place, tests)
             if disc is not None and disc.log_alarms < least - level.margin:
                 waiting.append(_Candidate(index, disc))
     accepted: list[Disc] = []
@@ -134,13 +138,13 @@ def _of_versions(values: Singles, sought: _Sought, versions: tuple[int | None, .
         if radii[0] * 0.97 <= best.disc.radius <= radii[1] * 1.03:
             accepted.append(best.disc)
         rest = []
-        for level, mask in zip(levels, alive, strict=True):
-            _take(level, mask, best.disc)
+        for level, own in zip(levels, weights, strict=True):
+            _take(level, own, best.disc)
         for other in waiting:
             again: Disc | None = other.disc
             level = levels[other.level]
             if _touch(other.disc, best.disc):
-                again = _judged(level, alive[other.level], level.inward(other.disc), tests)
+                again = _judged(level, weights[other.level], level.inward(other.disc), tests)
             if again is None or _one(again, best.disc):
                 continue
             if again.log_alarms >= least - level.margin:
@@ -150,17 +154,21 @@ def _of_versions(values: Singles, sought: _Sought, versions: tuple[int | None, .
     whole = [disc for disc in accepted if not any(_on(disc, other) for other in accepted)]
     # The border of what is lit, or saturated, on a sphere is a circle too, next to its rim or not.
     whole = [disc for disc in whole if not any(_less_sure_ring(disc, other) for other in whole)]
-    return [_refined(values, disc, sought.sigma_px) for disc in whole]
+    refined = [_refined(values, disc, sought.sigma_px) for disc in whole]
+    # Two circles within one rim may both have led to it.
+    return [disc for k, disc in enumerate(refined) if not any(_one(disc, o) for o in refined[:k])]
 
 
 def _refined(values: Singles, disc: Disc, sigma_px: float) -> Disc:
     """Return a disc with its circle fitted to the edges of the whole picture, errors and all."""
     place = np.array([disc.row, disc.column, disc.radius])
     sigmas = np.array([disc.row_sigma, disc.column_sigma, disc.radius_sigma])
-    found = refined(values, place, sigma_px)
+    found = fit_rim(values, place, sigma_px)
     if found is not None:
         place, sigmas = found
-    (row, column, radius), errors = place.tolist(), with_rim(sigmas, disc.radius).tolist()
+    else:
+        sigmas = np.hypot(sigmas, NO_RIM_RADII * disc.radius)
+    (row, column, radius), errors = place.tolist(), np.hypot(sigmas, RIM_PX).tolist()
     return replace(
         disc,
         row=row,
@@ -259,8 +267,8 @@ def _levels(values: Singles, sought: _Sought, versions: tuple[int | None, ...]) 
         low = high
 
 
-def _judged(level: _Level, alive: NDArray[np.bool_], place: Floats, tests: float) -> Disc | None:
-    fit = fit_circle(level.gradient.edges, alive, np.ascontiguousarray(place), len(PASSES))
+def _judged(level: _Level, weights: Singles, place: Floats, tests: float) -> Disc | None:
+    fit = fit_circle(level.gradient.edges, weights, np.ascontiguousarray(place), len(PASSES))
     radius, sectors = float(fit[2]), float(fit[6])
     if radius <= 0 or sectors < LEAST_SECTORS:
         return None
@@ -284,13 +292,13 @@ def _judged(level: _Level, alive: NDArray[np.bool_], place: Floats, tests: float
     )
 
 
-def _take(level: _Level, alive: NDArray[np.bool_], disc: Disc) -> None:
+def _take(level: _Level, weights: Singles, disc: Disc) -> None:
     """Take an accepted disc's edges out of what the others are judged by."""
     row, column, radius = level.inward(disc).tolist()
     band = max(1.5, 0.05 * radius)
     points = level.gradient.edges
     away = np.hypot(points[:, 0] - row, points[:, 1] - column)
-    alive &= np.abs(away - radius) > band
+    weights[np.abs(away - radius) <= band] = 0.0
     cv2.circle(
         level.taken,
         (round(column), round(row)),

@@ -133,8 +133,7 @@ def gradient(picture: Singles, sigma_px: float = SIGMA_PX) -> Gradient:
     picture
         Shape (rows, columns, channels), any unit.
     """
-    along_row, along_column = _derivatives(picture, sigma_px)
-    field = _tensor(along_row, along_column)
+    field = gradient_field(picture, sigma_px)
     size = field[0]
     noise = float(np.quantile(size, NOISE_QUANTILE))
     # Of a Rayleigh distribution with scale 1 the 30 % quantile is at 0.845.
@@ -142,6 +141,11 @@ def gradient(picture: Singles, sigma_px: float = SIGMA_PX) -> Gradient:
     strong = float(np.quantile(size, STRONG_QUANTILE))
     threshold = max(LEAST_OF_NOISE * noise, LEAST_OF_STRONG * strong, 1e-9)
     return Gradient(field, _ridges(field, threshold), threshold)
+
+
+def gradient_field(picture: Singles, sigma_px: float) -> Singles:
+    """Return size and direction (row, column) of the gradient, shape (3, rows, columns)."""
+    return np.asarray(_tensor(*_derivatives(picture, sigma_px)))
 
 
 def _derivatives(picture: Singles, sigma_px: float) -> tuple[Singles, Singles]:
