@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
+from scipy.stats import norm
 
 from analysis.arrays import Floats
 from analysis.balls.flight import path
@@ -35,6 +36,9 @@ ENDLESS = 3e-3
 MUCH_LEFT, FARTHEST = 2.0, 20.0
 """Errors of places by which they may lie off flights before these are sought afresh, and from which
 on a place counts no more than one that lies so far."""
+MOST_SHIFT, MOST_BELOW = 0.01, 20.0
+"""Errors by which a time of contact may be shifted without a fit of the others, and how far below
+zero its tail is an exponential one to the last digit."""
 LEAST_INFORMATION = 1e-20
 """Of a number that no place that counts depends on."""
 MOST_OPEN = 2.0
@@ -230,24 +234,27 @@ def _spread(scaled: Floats) -> Floats:
 def _described(problem: Problem, values: Floats, chosen: _Chosen) -> Flights:
     arcs, used, enlarge = chosen
     observed, free = problem.observed, problem.free
+    slopes = _slopes(problem, values, arcs)
+    found, _ = problem.predict(values, arcs)
+    own = (observed.places - found[:, :2]) / (observed.sigmas * enlarge)
+    enlarge = enlarge * _enlarged(own, arcs, used, int(free.sum()))
+    covariance = _covariance(problem, slopes[0][used], (observed.sigmas * enlarge)[used])
+    known_sigmas = problem.prior_sigma.copy()
+    lasts, lasts_sigma = _not_negative(
+        values[path.STAY], math.sqrt(covariance[path.STAY, path.STAY])
+    )
+    if lasts - values[path.STAY] > MOST_SHIFT * lasts_sigma:
+        others = free & (np.arange(len(values)) != path.STAY)
+        values = values.copy()
+        values[path.STAY] = lasts
+        values = _solve(problem, values, (arcs, used, enlarge), others, soft=False)
+        slopes = _slopes(problem, values, arcs)
+        covariance = _covariance(problem, slopes[0][used], (observed.sigmas * enlarge)[used])
+    _hold(covariance, known_sigmas, path.STAY, lasts_sigma)
     found, contacts = problem.predict(values, arcs)
     residuals = observed.places - found[:, :2]
-    place_slopes, contact_slopes, taken_slopes = _slopes(problem, values, arcs)
-    own = residuals / (observed.sigmas * enlarge)
-    enlarge = enlarge * _enlarged(own, arcs, used, int(free.sum()))
+    place_slopes, contact_slopes, taken_slopes = slopes
     errors = (observed.sigmas * enlarge)[used]
-    design = place_slopes[used][:, :, free] / errors[..., None]
-    normal = np.einsum("nap,naq->pq", design, design)
-    normal += np.diag(1.0 / problem.prior_sigma[free] ** 2)
-    both = np.flatnonzero(np.isin(np.flatnonzero(free), LEVEL))
-    normal[np.ix_(both, both)] += 1.0 / LEVEL_SIGMA**2
-    by_sizes = problem.by_sizes[:, free]
-    normal += by_sizes.T @ by_sizes
-    covariance = np.zeros((len(values), len(values)))
-    # The numbers' units lie many powers of ten apart.
-    unit = 1.0 / np.sqrt(np.maximum(np.diag(normal), LEAST_INFORMATION))
-    inverse = np.linalg.pinv(normal * np.outer(unit, unit), hermitian=True)
-    covariance[np.ix_(free, free)] = inverse * np.outer(unit, unit)
     since_s = problem.times(values)[used] - contacts[0, 0]
     pushed = covariance @ np.einsum("np,n->p", place_slopes[used, 0], since_s / errors[:, 0] ** 2)
     rise = _unseen_rise(problem.natural(values), np.sqrt(np.diag(covariance)))
@@ -265,7 +272,7 @@ def _described(problem: Problem, values: Floats, chosen: _Chosen) -> Flights:
         values=natural,
         covariance=covariance,
         by_rise=rise * pushed,
-        known_sigmas=problem.prior_sigma.copy(),
+        known_sigmas=known_sigmas,
         by_sizes=problem.by_sizes,
         contacts=contacts,
         contact_slopes=contact_slopes,
@@ -285,19 +292,67 @@ def _described(problem: Problem, values: Floats, chosen: _Chosen) -> Flights:
     )
 
 
+def _covariance(problem: Problem, slopes: Floats, errors: Floats) -> Floats:
+    """Return the covariance of all numbers, shape (P, P); those that are held have none.
+
+    Parameters
+    ----------
+    slopes, errors
+        Of the places that count, shapes (N, 2, P) and (N, 2).
+    """
+    free = problem.free
+    design = slopes[:, :, free] / errors[..., None]
+    normal = np.einsum("nap,naq->pq", design, design)
+    normal += np.diag(1.0 / problem.prior_sigma[free] ** 2)
+    both = np.flatnonzero(np.isin(np.flatnonzero(free), LEVEL))
+    normal[np.ix_(both, both)] += 1.0 / LEVEL_SIGMA**2
+    by_sizes = problem.by_sizes[:, free]
+    normal += by_sizes.T @ by_sizes
+    covariance = np.zeros((len(free), len(free)))
+    # The numbers' units lie many powers of ten apart.
+    unit = 1.0 / np.sqrt(np.maximum(np.diag(normal), LEAST_INFORMATION))
+    inverse = np.linalg.pinv(normal * np.outer(unit, unit), hermitian=True)
+    covariance[np.ix_(free, free)] = inverse * np.outer(unit, unit)
+    return covariance
+
+
+def _not_negative(value: float, sigma: float) -> tuple[float, float]:
+    """Return mean and standard deviation of a normal distribution whose negative part is cut off.
+
+    No contact lasts for less than no time. Far below zero what is left falls off exponentially.
+    """
+    if sigma == 0.0:
+        return value, sigma
+    below = -value / sigma
+    ratio = math.exp(float(norm.logpdf(below) - norm.logsf(below)))
+    share = max(1.0 + below * ratio - ratio**2, below**-2 if below > MOST_BELOW else 0.0)
+    return value + sigma * ratio, sigma * math.sqrt(share)
+
+
+def _hold(covariance: Floats, known_sigmas: Floats, index: int, sigma: float) -> None:
+    """Make one number as sure as that, and what goes with it."""
+    variance = float(covariance[index, index])
+    if variance == 0.0:
+        return
+    share = sigma**2 / variance
+    covariance -= (1.0 - share) / variance * np.outer(covariance[index], covariance[index])
+    more = (1.0 / share - 1.0) / variance
+    known_sigmas[index] = (known_sigmas[index] ** -2 + more) ** -0.5
+
+
 def _unseen_rise(values: Floats, sigmas: Floats) -> float:
     """Return the standard error of the speed, px/s, at which what drifts away seems to rise.
 
     It is the drift times `path.rise`, perspective times the squared focal length, px^2. Where each
     of them may be nothing and is hardly known, derivatives at what was fitted leave most of it out:
-    here are the mean squares of drift and perspective, and the mean of the squared focal length.
+    here are the mean squares of drift and perspective, and of what the focal length makes of them.
     """
     drift, by_drift = values[path.DEPTH], sigmas[path.DEPTH]
     side = 2.0 * values[path.HALF]
     per_perspective = side**2 / max(values[path.ASLANT], path.LEAST_ASLANT)
     rise, by_look = path.rise(values), sigmas[path.PERSPECTIVE] * per_perspective
     spread = sigmas[path.ASLANT]
-    square = (rise**2 + by_look**2) * (1.0 + spread**2)
+    square = rise**2 * (1.0 + spread**2) + by_look**2 * math.exp(spread**2)
     # A camera stands with its line of sight near the plane of the flight, whatever its lens.
     square = min(square, rise**2 + LOOK_SIGMA**2 * per_perspective * math.exp(0.5 * spread**2))
     in_slopes = rise**2 * (1.0 + spread**2) + by_look**2

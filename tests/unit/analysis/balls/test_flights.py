@@ -85,6 +85,17 @@ def test_bounces_of_a_ball_in_a_vacuum_are_found_within_their_errors(seed: int) 
         assert contact[1] / flights.scale_px_per_m == pytest.approx(down, rel=0.003)
 
 
+def test_no_contact_lasts_for_less_than_no_time() -> None:
+    # The noise of places of a ball that is hard makes it seem to leave before it has come.
+    for seed in range(20, 26):
+        flights = fit_flights(parabolas(np.random.default_rng(seed)), start(), known())
+        assert flights is not None
+        lasts = float(flights.values[path.STAY])
+        sigma = math.sqrt(flights.covariance[path.STAY, path.STAY])
+        # A mean of what is left of a normal distribution above nothing.
+        assert 0 < lasts < 2.5 * sigma < 1e-3
+
+
 def test_a_diameter_that_contradicts_gravity_is_told_and_left_out() -> None:
     flights = fit_flights(parabolas(np.random.default_rng(4)), start(), known(diameter_m=0.06))
     assert flights is not None
