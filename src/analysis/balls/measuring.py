@@ -41,7 +41,7 @@ MUCH_LEFT = 6.0
 """Mean square that a fit leaves, over the film's median: something else is at the ball."""
 LEAST_SIGMA = 0.3
 """Of the median stated error: no frame counts for more."""
-LEAST_CODEC_E = 8e-4
+LEAST_CODEC_E = 5e-4
 """Standard error of e that a codec leaves beside that of the radius: it moves rims by amounts that
 follow the ball's way, which no scatter about flights tells (python -m benchmarks.balls)."""
 SPEED_STEP_S = 1e-4
