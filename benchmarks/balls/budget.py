@@ -46,8 +46,7 @@ def budget(flights: Flights, bounce: int, sigma: float) -> dict[str, float]:
     parts[known] = (moved[known] / flights.known_sigmas[known]) ** 2
     found = {name: math.sqrt(parts[list(own)].sum()) for name, own in SOURCES.items()}
     named = [index for own in SOURCES.values() for index in own]
-    found["drift"] = math.sqrt(np.delete(parts, named).sum())
-    found["sizes"] = float(np.hypot.reduce(flights.by_sizes @ moved))
+    found["drift"] = math.hypot(*np.sqrt(np.delete(parts, named)), *(flights.drifts @ moved))
     found["level"] = abs(float(moved[LEVEL].sum())) / LEVEL_SIGMA
     fitted = float(slope @ moved)
     found["places"] = _root(fitted - _square(found))

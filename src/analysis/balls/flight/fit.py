@@ -157,9 +157,9 @@ def _solve(
     units = problem.units[loose]
     known = np.isfinite(problem.prior_sigma) & loose
     errors = (problem.observed.sigmas * enlarge)[used]
-    by_sizes = problem.by_sizes if loose[path.DEPTH] else problem.by_sizes[:0]
+    drifts = problem.drifts if loose[path.DEPTH] else problem.drifts[:0]
     straight = np.vstack(
-        [_straight_slopes(problem, known, loose), (by_sizes * problem.units)[:, loose]]
+        [_straight_slopes(problem, known, loose), (drifts * problem.units)[:, loose]]
     )
 
     def at(step: Floats) -> Floats:
@@ -176,8 +176,8 @@ def _solve(
         moved = at(step)
         prior = (moved[known] - problem.prior[known]) / problem.prior_sigma[known]
         level = moved[LEVEL].sum(keepdims=True) / LEVEL_SIGMA if loose[LEVEL].all() else prior[:0]
-        sizes = (problem.by_sizes @ moved - problem.drift.target)[: len(by_sizes)]
-        every = np.concatenate([own - seen(moved), prior, level, sizes])
+        apart = drifts @ moved - problem.drifts_target[: len(drifts)]
+        every = np.concatenate([own - seen(moved), prior, level, apart])
         return np.asarray(np.nan_to_num(every, nan=1e6, posinf=1e6, neginf=-1e6))
 
     def slopes(step: Floats) -> Floats:
@@ -273,7 +273,7 @@ def _described(problem: Problem, values: Floats, chosen: _Chosen) -> Flights:
         covariance=covariance,
         by_rise=rise * pushed,
         known_sigmas=known_sigmas,
-        by_sizes=problem.by_sizes,
+        drifts=problem.drifts,
         contacts=contacts,
         contact_slopes=contact_slopes,
         observed=replace(observed, places=observed.places - problem.taken(values, arcs)),
@@ -306,8 +306,8 @@ def _covariance(problem: Problem, slopes: Floats, errors: Floats) -> Floats:
     normal += np.diag(1.0 / problem.prior_sigma[free] ** 2)
     both = np.flatnonzero(np.isin(np.flatnonzero(free), LEVEL))
     normal[np.ix_(both, both)] += 1.0 / LEVEL_SIGMA**2
-    by_sizes = problem.by_sizes[:, free]
-    normal += by_sizes.T @ by_sizes
+    drifts = problem.drifts[:, free]
+    normal += drifts.T @ drifts
     covariance = np.zeros((len(free), len(free)))
     # The numbers' units lie many powers of ten apart.
     unit = 1.0 / np.sqrt(np.maximum(np.diag(normal), LEAST_INFORMATION))

@@ -99,9 +99,9 @@ class Flights:
     known_sigmas
         With which each number is known beforehand: 0 where it is held, infinite where nothing is;
         shape (P,).
-    by_sizes
-        What the ball's sizes say of the numbers, as the weights of equations whose errors are 1;
-        shape (M, P).
+    drifts
+        What the ball's sizes, and friction at bounces, say of drifts along the line of sight, as
+        the weights of equations whose errors are 1; shape (M, P).
     contacts, contact_slopes
         Of each bounce as `path.places` gives them, shape (B, 6), and their derivatives to the
         values, shape (B, 6, P).
@@ -131,7 +131,7 @@ class Flights:
     covariance: Floats
     by_rise: Floats
     known_sigmas: Floats
-    by_sizes: Floats
+    drifts: Floats
     contacts: Floats
     contact_slopes: Floats
     observed: Observed

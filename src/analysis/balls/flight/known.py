@@ -32,8 +32,9 @@ NEAREST_M, VIEWS_AWAY, AWAY_SPREAD = 0.4, 1.6, 0.8
 little with a long lens and where it is much; the spread of the distance's logarithm."""
 DRIFT_SHARE = 0.02
 """Of a dropped ball's speed: how much of it is sideways at least."""
-FRICTION_LEAVES = 5.0 / 7.0
-"""Of the speed across of a solid ball that begins to roll, without spin before."""
+FRICTION_LEAVES = 3.0 / 5.0
+"""Of the speed across of a hollow ball that begins to roll, without spin before; a solid one keeps
+5/7."""
 READOUT_SHARE = 0.5
 """Of the time between frames: the middle of what rolling shutters take to read a frame."""
 STAY_S = 5e-4
@@ -184,7 +185,7 @@ class View:
     def receding_by_spin(self, before: Floats, after: Floats, aslant: float) -> Floats:
         """Return how much of a speed away from the camera spins give at bounces, shape (B,).
 
-        As much as across the picture, where friction alone leaves between 5/7 and all of a speed.
+        As much as across the picture, where friction alone leaves between 3/5 and all of a speed.
         Distances of the camera a second.
 
         Parameters

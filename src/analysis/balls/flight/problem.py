@@ -48,9 +48,9 @@ MARGIN = 0.03
 """Of the time between frames: nothing is taken so near a contact, beside half the exposure."""
 LAST_MARGIN = 0.5
 """The same before the bounce that ends the last flight, whose time is not fitted."""
-GAIN_SHARE = 0.3
-"""Of a ball's drift along the line of sight: by how much a bounce changes it without spin, as
-friction takes up to 2/7 of a speed across."""
+GAIN_SHARE, GAIN_SIGMA = 0.2, 0.12
+"""Of a ball's drift along the line of sight: friction takes between nothing and 2/5 of it at a
+bounce of a ball without spin; the middle, and its standard error."""
 NEAR_RADII = 1.5
 """Heights over the plate at which a ball lies over its shadow."""
 LOW_RADII = 0.5
@@ -92,20 +92,21 @@ class Problem:
         self.begin = self._begin(start)
         self.plate_row, self.radius_px = float(self.begin[path.PLATE]), known.radius_px
         high = ~self.near(observed.places)
-        self.drift = drift(observed, start.times_s, high, known)
-        self.by_sizes = self.drift.weights @ self._told(count)
-        drifts = self.drift.of_all_flights(receding)
+        by_sizes = drift(observed, start.times_s, high, known)
+        told = self._told(count)
         aslant = math.exp(self.prior[path.ASLANT])
         kicks = view.receding_by_spin(start.before, start.after, aslant)
-        for k, kick in enumerate(kicks.tolist()):
-            sigma = math.hypot(GAIN_SHARE * drifts, kick)
-            know(path.COMMON + path.EACH * k + 2, 0.0, sigma)
+        gains = np.hypot(GAIN_SIGMA * by_sizes.of_all_flights(receding), kicks)
+        by_friction = (told[1:-1] - (1.0 - GAIN_SHARE) * told[:-2]) / gains[:, None]
+        self.drifts = np.vstack([by_sizes.weights @ told, by_friction])
+        self.drifts_target = np.concatenate([by_sizes.target, np.zeros(self.bounces)])
         self.units = self._units()
+        self.units[path.COMMON + 2 :: path.EACH] = gains
         self.free = self.prior_sigma > 0
         self.exposure = view.exposure_s
 
     def _told(self, count: int) -> Floats:
-        """Return derivatives of what sizes tell of to the fit's numbers, shape (B + 2, P)."""
+        """Return derivatives of the flights' drifts and of the perspective, shape (B + 2, P)."""
         told = np.zeros((self.bounces + 2, count))
         told[:-1, path.DEPTH] = 1.0
         for k in range(self.bounces):
