@@ -6,6 +6,7 @@ import csv
 import json
 import os
 import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -24,6 +25,7 @@ SWEEP = ("--pressure-kpa", "30:60:4", "--offset-mm", "0:10:6")
 WAIT_S = 1800.0
 """For one command, and for all: a bound on a hang, which a busy machine does not reach."""
 ASKED_EVERY_S = 0.5
+CLOCK_STEPPED = "could not be armed: clock: "
 pytestmark = pytest.mark.timeout(WAIT_S)
 LEAST_SHOTS = 18
 CHANCE = 1e-5
@@ -36,8 +38,8 @@ that they have in common: 16 over the sum of squares of their correlations (F. E
 Biometrics Bull. 2, 110 (1946)), 2.0 to 3.4 in the shots of this sweep."""
 
 
-def rigctl(folder: Path, *arguments: str) -> str:
-    done = subprocess.run(
+def invoked(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
         [*RIGCTL, *arguments],
         cwd=folder,
         env={**os.environ, "RIGCTL_KEY": ""},
@@ -46,8 +48,28 @@ def rigctl(folder: Path, *arguments: str) -> str:
         timeout=WAIT_S,
         check=False,
     )
+
+
+def rigctl(folder: Path, *arguments: str) -> str:
+    done = invoked(folder, *arguments)
     assert done.returncode == 0, done.stderr
     return done.stdout
+
+
+def fire_sweep(folder: Path) -> None:
+    """Run the sweep; where the host's clock steps meanwhile, resume it as an operator does."""
+    done = invoked(folder, "sweep", "run", *SWEEP, "--campaign", "nylon", "--json")
+    assert done.stdout, done.stderr
+    sweep, until = json.loads(done.stdout), time.monotonic() + WAIT_S
+    while sweep["state"] != "completed" and time.monotonic() < until:
+        if sweep["state"] == "running":
+            time.sleep(ASKED_EVERY_S)
+        else:
+            assert sweep["state"] == "paused", sweep
+            assert CLOCK_STEPPED in sweep["reason"], sweep["reason"]
+            rigctl(folder, "sweep", "resume")
+        sweep = json.loads(rigctl(folder, "sweep", "status", "--json"))
+    assert sweep["state"] == "completed", sweep
 
 
 def await_analysis(folder: Path) -> None:
@@ -109,12 +131,44 @@ def truth_of(folder: Path) -> dict[int, dict[str, float]]:
     }
 
 
+def answers(monkeypatch: pytest.MonkeyPatch, reason: str) -> list[str]:
+    """Answer as a daemon whose sweep is paused once; return the orders that it is given."""
+    states = iter(["paused", "running", "completed"])
+    given: list[str] = []
+
+    def answer(_: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+        given.append(arguments[1])
+        shown = "resumed"
+        if arguments[1] != "resume":
+            shown = json.dumps({"state": next(states), "reason": reason})
+        return subprocess.CompletedProcess(arguments, 3 * (arguments[1] == "run"), shown, "")
+
+    monkeypatch.setattr(sys.modules[__name__], "invoked", answer)
+    return given
+
+
+def test_a_sweep_that_a_step_of_the_clock_pauses_is_resumed_and_no_other(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    given = answers(
+        monkeypatch,
+        "step 3 could not be armed: clock: 1.2 s, needed a step of at most 1 s (wall clock); "
+        "check the clock of the host, then arm again",
+    )
+    fire_sweep(Path())
+    assert given == ["run", "resume", "status", "status"]
+    given = answers(monkeypatch, "step 3 could not be armed: disk: 5 MB, needed at least 100")
+    with pytest.raises(AssertionError, match="disk"):
+        fire_sweep(Path())
+    assert given == ["run"]
+
+
 @pytest.fixture(scope="module")
 def ways(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Found], Path]:
     """Return what each way says of the shots of a fired sweep, and the folder of the rig."""
     folder = tmp_path_factory.mktemp("rig")
     with daemon(folder):
-        rigctl(folder, "sweep", "run", *SWEEP, "--campaign", "nylon")
+        fire_sweep(folder)
         await_analysis(folder)
         found = {"stored": of_report(folder, "nylon")}
         rigctl(folder, "export", "nylon", "exported")

@@ -81,6 +81,8 @@ class MeasuredBall:
         Of the film.
     gaps
         Frames that are missing; `times_s` holds the time that they took.
+    more_gaps
+        Whether frames are missing at more places than are mended.
     """
 
     search: Search
@@ -94,6 +96,7 @@ class MeasuredBall:
     unsure_e: Floats
     head: FilmHead
     gaps: tuple[Gap, ...] = ()
+    more_gaps: bool = False
 
     @property
     def looks(self) -> Looks:
@@ -132,7 +135,7 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
     complete, before = False, None
     while True:
         try:
-            measured, fit = _measured(film, times_s, ball, exposure_s, complete=complete)
+            measured, fits = _measured(film, times_s, ball, exposure_s, complete=complete)
         except ShotRefusedError:
             if before is None:
                 raise
@@ -140,22 +143,37 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
         if before is not None and measured.bounces < before.bounces:
             return before
         own = measured.search.gaps
-        if own and fit is not None and contradicted(fit[-1], own):
+        if own and fits and contradicted(fits[-1][-1], own):
             complete = True
             continue
         gaps += own
-        gap = None if fit is None or len(gaps) >= MOST_GAPS else find_gap(*fit)
-        before = replace(measured, gaps=tuple(sorted(gaps)))
-        if gap is None:
+        gap, unsure = _gap(measured, fits)
+        many = gap is not None and len(gaps) >= MOST_GAPS
+        before = replace(measured, gaps=tuple(sorted(gaps)), unsure_e=unsure, more_gaps=many)
+        if gap is None or many:
             return before
         gaps.append(gap)
         times_s = mended(measured.times_s, [gap])
 
 
+def _gap(measured: MeasuredBall, fits: Sequence[_Fit]) -> tuple[Gap | None, Floats]:
+    """Return the surest place at which frames are missing, and what unsure ones do to each e.
+
+    Where bounces were lost, the fit that still had their frames is asked too.
+    """
+    if not fits:
+        return None, measured.unsure_e
+    found = find_gap(*fits[-1])
+    gap = found.gap
+    if gap is None and measured.bounces < len(measured.chain.times_s):
+        gap = find_gap(*fits[0]).gap
+    return gap, np.maximum(measured.unsure_e, found.unsure_e)
+
+
 def _measured(
     film: Film, times_s: Floats, ball: Ball, exposure_s: float | None, *, complete: bool
-) -> tuple[MeasuredBall, _Fit | None]:
-    """Return what a film shows at these times, and what its flights were fitted to."""
+) -> tuple[MeasuredBall, list[_Fit]]:
+    """Return what a film shows at these times, and what its flights were fitted to each time."""
     found = search(film, times_s, ball, complete=complete)
     looks, chain, times_s = found.looks, found.chain, found.times_s
     period = float(np.median(np.diff(times_s)))
@@ -176,7 +194,7 @@ def _measured(
     of_radius: ByRadius | None = None
     flights, told_by, earlier, own, row_time = None, placed, placed, windows, 0.0
     coefficients: list[Floats] = []
-    fit: _Fit | None = None
+    fits: list[_Fit] = []
     for repeat in range(MOST_REPEATS if len(chain.times_s) else 0):
         view = _view(film.head, period, placer.exposure_s)
         observed, start = _observed(placed, times_s, of_radius), _start(found)
@@ -185,7 +203,7 @@ def _measured(
         if fitted is None:
             break
         flights, told_by, earlier = fitted, placed, told_by
-        fit = observed, start, stated, fitted
+        fits.append((observed, start, stated, fitted))
         coefficients.append(flights.contacts[:, 3] / flights.contacts[:, 1])
         settled = _last_change(coefficients).max() < SETTLED_E
         if repeat == MOST_REPEATS - 1 or (settled and repeat + 1 >= REPEATS):
@@ -217,7 +235,7 @@ def _measured(
         unsure_e=np.zeros(0) if flights is None else unsure_e(flights),
         head=film.head,
     )
-    return measured, fit
+    return measured, fits
 
 
 def _view(head: FilmHead, period_s: float, exposure_s: float) -> View:
@@ -334,7 +352,10 @@ def _start(found: Search) -> Start:
 
 
 def coefficient(measured: MeasuredBall, bounce: int) -> tuple[float, float]:
-    """Return e of a bounce and its standard error; `benchmarks.balls` prints its parts."""
+    """Return e of a bounce and its standard error; `benchmarks.balls` prints its parts.
+
+    What is beyond 1 is error: no ball leaves a plate at rest faster than it came.
+    """
     flights = measured.flights
     if flights is None:
         return math.nan, math.inf
@@ -343,4 +364,5 @@ def coefficient(measured: MeasuredBall, bounce: int) -> tuple[float, float]:
     variance = float(slope @ flights.whole_covariance @ slope)
     coded = LEAST_CODEC_E if measured.head.compressed else 0.0
     told = float(measured.unsettled_e[bounce]), float(measured.unsure_e[bounce]), flights.doubt
-    return float(contact[3] / contact[1]), math.hypot(math.sqrt(variance), *told, coded)
+    e = float(contact[3] / contact[1])
+    return e, math.hypot(math.sqrt(variance), *told, coded, max(0.0, e - 1.0))

@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 
 from analysis.arrays import Floats
 from analysis.balls.films.film import FilmHead
+from analysis.balls.flight import path
 from analysis.balls.flight.flights import LARGE_CHI2, LEAST_PLACES, MOST_LEFT_OUT, Flights
+from analysis.balls.flight.lost import MOST_E
 from analysis.balls.gaps import frame_at, period_of
-from analysis.balls.measuring import MeasuredBall
+from analysis.balls.measuring import MeasuredBall, coefficient
 from analysis.balls.seen.arcs import Arc, Chain
 from analysis.errors import counted
 
@@ -57,8 +59,11 @@ def _remarks(measured: MeasuredBall) -> Iterator[str]:
     yield from _one_more(measured, measured.flights)
     yield from _of_flights(measured.flights, head)
     yield from _do_not_count(measured, measured.flights)
+    yield from _beyond_one(measured.flights)
     yield from _unsettled(measured.unsettled_e, measured.flights)
     yield from _unsure(measured.unsure_e, measured.flights)
+    if measured.bounces == 1:
+        yield from _alone(measured, measured.flights)
 
 
 def _other(other: Chain, is_round: bool) -> str:
@@ -84,6 +89,12 @@ def _missing(measured: MeasuredBall) -> Iterator[str]:
             f"were {counted(gap.count, 'frame')} later; the times of this frame and of those after "
             f"it were set {1e3 * gap.count * period:.3g} ms later, and frame numbers count the "
             "frames that are there"
+        )
+    if measured.more_gaps:
+        yield (
+            f"frames seem to be missing at more places than the {len(measured.gaps)} whose times "
+            "were mended: the film's times are not to be believed, and e may be further off than "
+            "its error says; state the film that the camera wrote, or a part of it with --frames"
         )
 
 
@@ -135,7 +146,8 @@ def _hands(measured: MeasuredBall) -> Iterator[str]:
             yield (
                 f"from frame {own[0]} {_of(arc, own[0])} to frame {own[-1]} {_of(arc, own[-1])} "
                 "the ball does not look or fly as it does in the others: a hand is at it, "
-                "something is in front of it, or the film's rate varies; these frames do not count"
+                "something is in front of it, frames are missing, or the film's rate varies; these "
+                "frames do not count"
             )
 
 
@@ -230,7 +242,10 @@ def _one_more(measured: MeasuredBall, flights: Flights) -> Iterator[str]:
             "where places are off: it bounces too low, rolls or rests"
         )
     else:
-        why = "no free flight follows it: the ball is caught, hidden, or out of the picture"
+        why = (
+            "no free flight that fits its time follows it: frames are missing, or the ball is "
+            "caught, hidden, or out of the picture"
+        )
     yield (
         f"bounce {flights.bounces + 1}, at about frame {frame:.1f} and ({row:.0f}, {column:.0f}) "
         f"px, is not measured: {why}"
@@ -301,6 +316,18 @@ def _of_flights(flights: Flights, head: FilmHead) -> Iterator[str]:
         )
 
 
+def _beyond_one(flights: Flights) -> Iterator[str]:
+    """Name bounces from which the ball comes faster than it went."""
+    for bounce, e in enumerate((flights.contacts[:, 3] / flights.contacts[:, 1]).tolist()):
+        if e > MOST_E:
+            yield (
+                f"e of bounce {bounce + 1}, {_before(flights, bounce)}, is {e:.2f}, and no ball "
+                "leaves a plate at rest faster than it came: frames are missing, the film's rate "
+                "varies and its times do not say so, or the plate moves; the error of e holds what "
+                "is beyond 1"
+            )
+
+
 def _unsettled(unsettled_e: Floats, flights: Flights) -> Iterator[str]:
     """Name bounces whose e goes on changing as often as the film is fitted."""
     for bounce in np.flatnonzero(unsettled_e > UNSETTLED_E).tolist():
@@ -319,6 +346,23 @@ def _unsure(unsure_e: Floats, flights: Flights) -> Iterator[str]:
             f"frames may be missing at bounce {bounce + 1}, {_before(flights, bounce)}, or in its "
             "flights, or the film's rate varies and its times do not say so; the error of its e "
             f"holds what that changes ({unsure_e[bounce]:.3f})"
+        )
+
+
+def _alone(measured: MeasuredBall, flights: Flights) -> Iterator[str]:
+    """Say what one bounce alone leaves open: with later times the plate would only lie lower.
+
+    After n periods T that are not in the film both flights would meet where the ball is slower by
+    g n T v_n'/(v_n + v_n') and g n T v_n/(v_n + v_n'): e falls by g n T (1 - e)/v_n.
+    """
+    e, sigma = coefficient(measured, 0)
+    period = period_of(measured.times_s)
+    each = float(flights.values[path.FALL] * period * (1.0 - e) / flights.contacts[0, 1])
+    if each > sigma:
+        yield (
+            f"one bounce alone, {_before(flights, 0)}, does not show whether the film has all "
+            f"frames of it: for each that it lacks there e is {each:.4f} too small, beyond its "
+            "error; a second bounce would show it"
         )
 
 

@@ -12,6 +12,7 @@ import pytest
 from analysis.exchange.pose_table import read_poses
 from analysis.model.data.gather import gather
 from analysis.model.data.poses import PoseData
+from benchmarks.balls.missing import of_folder, told
 from rigctl import cli
 from tests.unit.cli.falling_ball import (
     DIAMETER_MM,
@@ -272,3 +273,17 @@ def test_frames_that_a_drawn_film_lacks_are_put_into_its_times(
     for impact, drawn in zip(shot["impacts"], truth, strict=True):
         e = impact["e"]
         assert abs(e["value"] - drawn["e"]) < 4 * e["sigma"] < 0.004
+
+
+@pytest.mark.shared_data
+@pytest.mark.long
+@pytest.mark.skipif(not DROPS.exists(), reason="films lie beside a development checkout")
+@pytest.mark.parametrize(("first", "count"), [(26, 1), (109, 2), (113, 1)])
+def test_no_e_of_a_telephone_film_that_lacks_frames_at_a_bounce_is_wrong_in_silence(
+    first: int, count: int
+) -> None:
+    """At its first bounce, at its last, and between those of a low flight."""
+    found = told(of_folder(DROPS / "phone60"), first, count)
+    assert found.outcome in ("mended", "said", "harmless", "fewer bounces")
+    assert found.pull < 3.0
+    assert found.bounces >= 4

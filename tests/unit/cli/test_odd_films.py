@@ -9,6 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from analysis.balls import measuring
+from analysis.balls.flight.lost import Found
+from analysis.balls.gaps import Gap
 from tests.unit.cli import odd_films
 from tests.unit.cli.falling_ball import RADIUS, RATE, SIZE, Drawn, answer, bouncing, save
 
@@ -154,6 +157,28 @@ def test_frames_that_a_film_lacks_are_said_and_its_times_mended(
     assert named is not None
     assert abs(int(named[1]) - first) <= 3
     assert all(is_true(impact, 0.8) for impact in shot["impacts"])
+
+
+def test_one_bounce_alone_says_that_it_does_not_show_frames_missing_at_it(
+    tmp_path: Path, capsys: Capsys
+) -> None:
+    """The flights before and after it meet all the same, on a plate that lies higher."""
+    shot = analysed(odd_films.frames_missing(67, 3), tmp_path, capsys)
+    (impact,) = shot["impacts"]
+    e = impact["e"]
+    assert abs(e["value"] - 0.8) > 3 * e["sigma"]
+    note = said(shot, "does not show whether the film has all frames")
+    each = float(note.split("e is ")[1].split()[0])
+    assert e["value"] + 3 * each == pytest.approx(0.8, abs=2 * e["sigma"])
+
+
+def test_a_film_with_more_gaps_than_are_mended_is_said(
+    tmp_path: Path, capsys: Capsys, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(measuring, "MOST_GAPS", 0)
+    monkeypatch.setattr(measuring, "find_gap", lambda *_: Found(Gap(90, 1), np.zeros(1)))
+    shot = analysed(odd_films.frames_missing(50, 0), tmp_path, capsys)
+    assert "not to be believed" in said(shot, "missing at more places")
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ the places hold it to a small part of a period.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 
@@ -36,13 +36,20 @@ NEAR_STEPS = 0.3
 """Of a step at the first contact: from a place to where the ball was some periods later."""
 LEAST_GAIN = 60.0
 """Of the sum of squared distances in errors: by how much less it is at least with mended times."""
+DOUBT_GAIN = 25.0
+"""The same with times that are not sure: from here on they may be the right ones."""
+LOST_FRAMES = 2.0
+"""From a bounce that was seen to the contact that was fitted."""
+MOST_E = 1.02
+"""No ball leaves a plate at rest faster than it came."""
 NEARER = 4.0
 """Sum of squared distances from a parabola, over that with a gap, for which this is worth a fit."""
 MOST_TRIED = 6
 MOST_AT_BOUNCE = 3
 """Frames that are tried at a bounce."""
-WORSE = 2.0
-"""Mean square of the residuals, over that without a gap, with which nothing is mended."""
+WORSE, WORSE_WITH_MORE = 2.0, 3.0
+"""Mean square of the residuals, over that without a gap, with which nothing is mended; and where
+the flights then have more bounces, which leave more."""
 FARTHEST = 12.0
 """Errors from which on a place counts no more than one that lies so far."""
 SPEED_STEP = 1e-3
@@ -67,20 +74,34 @@ class Missed:
         return self.time_s / self.sigma_s
 
 
-def find_gap(observed: Observed, start: Start, known: Known, flights: Flights) -> Gap | None:
-    """Return the surest place at which frames are missing.
+@dataclass(frozen=True, slots=True, eq=False)
+class Found:
+    """What flights say of missing frames.
+
+    Attributes
+    ----------
+    gap
+        The surest place; None where no whole number of frames surely explains what flights do not.
+    unsure_e
+        By how much e of each bounce changes by gaps that explain much and are not sure, shape (B,).
+    """
+
+    gap: Gap | None
+    unsure_e: Floats
+
+
+def find_gap(observed: Observed, start: Start, known: Known, flights: Flights) -> Found:
+    """Return the surest place at which frames are missing, and what unsure ones would change.
 
     Parameters
     ----------
     observed, start, known
         As the flights were fitted.
-
-    Returns
-    -------
-    None where no whole number of missing frames explains what the flights do not.
     """
     period = known.view.period_s
-    most, best = LEAST_GAIN, None
+    most: tuple[int, float] = flights.bounces, LEAST_GAIN
+    best: Gap | None = None
+    unsure = np.zeros(flights.bounces)
     for gap in _worth(observed, start, flights, period):
         late = observed.frames >= gap.frame
         times = observed.times_s + late * gap.count * period
@@ -89,12 +110,23 @@ def find_gap(observed: Observed, start: Start, known: Known, flights: Flights) -
         fitted = fit_flights(replace(observed, times_s=times), begun, known)
         if fitted is None or fitted.bounces < flights.bounces:
             continue
-        if fitted.chi2_per_dof > WORSE * flights.chi2_per_dof:
-            continue
-        gain = _cost(flights, fitted, fitted) - _cost(fitted, flights, fitted)
-        if gain > most and _holds(fitted, gap, period):
-            most, best = gain, _placed(fitted, gap, period)
-    return best
+        gain = _gain(flights, fitted)
+        worse = fitted.chi2_per_dof / flights.chi2_per_dof
+        if fitted.bounces > flights.bounces:
+            # What was a bounce to those who sought flights is one again.
+            explains = gain > LEAST_GAIN or worse < WORSE_WITH_MORE
+        else:
+            explains = worse < WORSE
+            if explains and gain > DOUBT_GAIN and _holds(fitted, gap, period, math.inf):
+                unsure = np.maximum(unsure, np.abs(_e(fitted) - _e(flights)))
+        better = explains and (fitted.bounces, gain) > most
+        if better and _holds(fitted, gap, period):
+            most, best = (fitted.bounces, gain), _placed(fitted, gap, period)
+    return Found(best, unsure)
+
+
+def _e(flights: Flights) -> Floats:
+    return np.asarray(flights.contacts[:, 3] / flights.contacts[:, 1])
 
 
 def missed(flights: Flights) -> list[Missed]:
@@ -214,17 +246,39 @@ def unsure_e(flights: Flights) -> Floats:
 
 
 def _at_bounces(observed: Observed, start: Start, flights: Flights, period: float) -> Iterator[Gap]:
-    """Give gaps at bounces, where the times do not fit."""
-    if not any(
-        abs(each.time_s) > DOUBTFUL * period and abs(each.pull) > SUSPECT_SIGMAS
-        for each in missed(flights)
-    ):
-        return
+    """Give gaps at bounces where the times do not fit, or where the flights do not tell them."""
+    told = missed(flights)
+    odd = any(
+        abs(each.time_s) > DOUBTFUL * period and abs(each.pull) > SUSPECT_SIGMAS for each in told
+    )
+    stay = float(flights.values[path.STAY])
+    early = stay < -SUSPECT_SIGMAS * flights.known_sigmas[path.STAY]
+    whole = round(-stay / period) if early else 0
     for time in start.times_s.tolist():
         after = int(np.searchsorted(observed.times_s, time))
-        if 0 < after < len(observed.frames):
-            for count in range(1, MOST_AT_BOUNCE + 1):
-                yield Gap(int(observed.frames[after]), count)
+        if not 0 < after < len(observed.frames):
+            continue
+        frame = int(observed.frames[after])
+        counts = range(1, MOST_AT_BOUNCE + 1)
+        if odd or _untold(flights, told, time, period):
+            yield from (Gap(frame, count) for count in counts)
+        # A contact that ends before it has begun.
+        if 0 < whole <= MOST_LOST:
+            yield Gap(frame, whole)
+
+
+def _untold(flights: Flights, told: Sequence[Missed], time_s: float, period: float) -> bool:
+    """Return whether flights leave open whether frames are missing at a bounce that was seen.
+
+    Of a film of one bounce they say nothing: without them the plate lies higher.
+    """
+    apart = np.abs(flights.contacts[:, 0] - time_s)
+    bounce = int(np.argmin(apart))
+    if apart[bounce] > LOST_FRAMES * period or _e(flights)[bounce] > MOST_E:
+        return True
+    after = flights.observed.frames[flights.used & (flights.arcs == bounce + 1)].min()
+    own = next((each for each in told if each.frame == after), None)
+    return own is not None and max(abs(own.time_s), own.sigma_s) > DOUBTFUL * period
 
 
 def _speeds(flights: Flights) -> Floats:
@@ -235,15 +289,23 @@ def _speeds(flights: Flights) -> Floats:
     return np.asarray((ahead - behind) / (2 * step))
 
 
-def _cost(flights: Flights, other: Flights, by: Flights) -> float:
-    """Return how far places lie from flights, squared, in errors of `by`.
+def _gain(flights: Flights, fitted: Flights) -> float:
+    """Return by how much nearer places lie to fitted flights than to others, squared, in errors.
 
-    Of places to which the other ones were fitted too; far ones count no more than FARTHEST.
+    Of places to which both were fitted; far ones count no more than FARTHEST. Errors are those of
+    the fitted flights, once of each place and once the same for all: over its shadow at the plate a
+    ball has errors of its own, by which nothing is told of the places there; elsewhere they are all
+    that tells.
     """
-    errors = np.median(by.observed.sigmas * by.sigma_scale, axis=0)
-    both = np.isin(flights.observed.frames, other.observed.frames)
-    scaled = np.minimum(np.abs(flights.residuals[both] / errors), FARTHEST)
-    return float((scaled**2).sum())
+    here, there = flights.observed.frames, fitted.observed.frames
+    _, own, theirs = np.intersect1d(here, there, return_indices=True)
+    each = (fitted.observed.sigmas * fitted.sigma_scale)[theirs]
+    left, better = np.abs(flights.residuals[own]), np.abs(fitted.residuals[theirs])
+    gains = [
+        np.minimum(left / errors, FARTHEST) ** 2 - np.minimum(better / errors, FARTHEST) ** 2
+        for errors in (each, np.median(each, axis=0))
+    ]
+    return max(float(gain.sum()) for gain in gains)
 
 
 def contradicted(fitted: Flights, gaps: Iterable[Gap]) -> bool:
@@ -274,12 +336,12 @@ def _placed(fitted: Flights, gap: Gap, period: float) -> Gap:
     return replace(gap, frame=int(observed.frames[1 + int(np.argmin(total[1:-1]))]))
 
 
-def _holds(fitted: Flights, gap: Gap, period: float) -> bool:
+def _holds(fitted: Flights, gap: Gap, period: float, sharp: float = SHARP) -> bool:
     """Return whether flights with mended times hold just these: to a small part of a period."""
     left = _left(fitted, gap)
     if left is None:
         return False
-    return abs(left.time_s) < WHOLE * period and left.sigma_s < SHARP * period
+    return abs(left.time_s) < WHOLE * period and left.sigma_s < sharp * period
 
 
 def _left(fitted: Flights, gap: Gap) -> Missed | None:

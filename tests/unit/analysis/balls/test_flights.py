@@ -276,14 +276,16 @@ def test_frames_that_are_missing_are_found_where_and_as_many_as_they_are(
     begun = replace(begun, times_s=begun.times_s - late * count / RATE)
     flights = fit_flights(lacking, begun, known())
     assert flights is not None
-    assert find_gap(lacking, begun, known(), flights) == Gap(first, count)
+    assert find_gap(lacking, begun, known(), flights).gap == Gap(first, count)
 
 
 def test_no_frames_are_missing_from_a_film_that_is_whole() -> None:
     whole = parabolas(np.random.default_rng(11))
     flights = fit_flights(whole, start(), known())
     assert flights is not None
-    assert find_gap(whole, start(), known(), flights) is None
+    found = find_gap(whole, start(), known(), flights)
+    assert found.gap is None
+    assert found.unsure_e == pytest.approx(0.0)
     assert unsure_e(flights) == pytest.approx(0.0)
 
 
