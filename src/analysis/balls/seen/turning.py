@@ -1,8 +1,9 @@
 """A ball that turns in place: the test that separates it from one that flies, and its positions.
 
 Positions are shifts of its rim against the middle picture of the film, as its blotches move and its
-rim does not. The brightness inside the rim is free in each sector, so that blotches at the rim do
-not shift it.
+rim does not. Each sector of the rim has a shift of its own beside a free light within, and the less
+of a say the more its light has changed: a blotch that enters at the rim is a thin line first, which
+looks like a shift.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d
 from scipy.special import ndtr
 
 from analysis.arrays import Floats
@@ -93,15 +95,25 @@ BLURS_PX = (0.5, 0.65, 0.85, 1.1, 1.4, 1.8, 2.3)
 LEAST_EXPLAINED = 0.8
 """Of a sector's light in the middle picture, by a rim; a holder hides the others."""
 LEAST_SECTORS = 8
-PASSES = 6
-REJECTED_SIGMAS = 4.0
-STEEP = 0.3
-"""Of the largest change of light with a shift: pixels of the rim."""
-DEVIATION = 1.4826
-"""Standard deviation of normal errors, in medians of their sizes."""
-LEAST_SPREAD = 1e-9
-BLOTCHES = 12
-"""Parts of a rim whose errors are independent: a blotch is about so wide."""
+LEAST_PIXELS = 8
+"""Of a sector, for a shift, a light and its slope."""
+STEPS = 3
+"""Passes over a sector's step, which the light within changes."""
+AT_ONCE = 256
+"""Frames whose pixels are held together."""
+EXACT_PX, OF_NOISE, OF_LIGHT, OF_SLOPE, OF_BLOTCH = 0.01, 0.76, 0.2, 0.8, 0.3
+"""Errors of a sector's shift: px; and shares of what noise gives, of changes of light and slope (of
+the step), and of the largest change of light in the frames about, those by which drawn films are
+off (python -m benchmarks.balls.turning)."""
+BLOTCH_FRAMES, MOST_CHANGE = 15, 2.0
+"""To each side, in which a blotch may be at the rim before and after it is told, and the largest
+change of light that counts."""
+LEAST_STEP = 0.3
+"""In noise: what is added to a step that light is measured by."""
+FREEDOM = 3.0
+"""Of Student's t of a sector's shift: blotches are outliers."""
+PASSES, AGAIN = 12, 3
+"""Of the fit of all shifts, and of the shifts that sectors have in all frames."""
 RING_IN, RING_OUT = (0.6, 0.92), (1.08, 1.3)
 """Radii of the light within and without that choose the channel."""
 
@@ -156,17 +168,27 @@ def place_turning(film: Film, disc: Disc, ground: Picture) -> Placed | None:
     rim = _rim(still, (disc.row - top, disc.column - left), disc.radius)
     if rim is None:
         return None
-    fits = np.array(
-        [
-            _shift(rim, _of_channel(picture[window], film.head, weights)[tuple(rim.pixels)])
-            for picture in film.pictures()
-        ]
-    )
-    places = fits[:, :2] + (disc.row, disc.column)
+    sectors = _sectors_of(rim)
+    if len(sectors) < LEAST_SECTORS:
+        return None
+    lights: list[Floats] = []
+    seen: list[Floats] = []
+    for picture in film.pictures():
+        lights.append(_of_channel(picture[window], film.head, weights)[tuple(rim.pixels)])
+        if len(lights) == AT_ONCE:
+            seen.append(_shifts(sectors, np.array(lights) - rim.light))
+            lights = []
+    if lights:
+        seen.append(_shifts(sectors, np.array(lights) - rim.light))
+    every = np.concatenate(seen, axis=1)
+    steps = np.array([sector.step for sector in sectors])
+    normals = np.array([sector.normal for sector in sectors])
+    shifts, errors = _together(normals, every[0], _errors(every, steps))
+    places = shifts + np.array([disc.row, disc.column])
     # What blotches at the rim do to a place lasts for many frames; its size is the film's scatter.
-    sigmas = np.maximum(fits[:, 2:4], places.std(axis=0))
-    left = fits[:, 4] * rim.pixels.shape[1]
-    return Placed(np.arange(len(fits), dtype=np.intp), places, sigmas, fits[:, 4], left)
+    sigmas = np.maximum(errors, places.std(axis=0))
+    frames, misfits = np.arange(len(places), dtype=np.intp), every[4].mean(axis=1)
+    return Placed(frames, places, sigmas, misfits, misfits * rim.pixels.shape[1])
 
 
 def _of_channel(picture: Picture, head: FilmHead, weights: Floats) -> Floats:
@@ -236,69 +258,100 @@ def _steps(
     return steps, left, seen
 
 
-def _shift(rim: _Rim, shown: Floats) -> Floats:
-    """Return the shift of a rim, its standard errors, and the mean square left; shape (5,)."""
-    change = shown - rim.light
-    at_rest = ndtr(rim.inward / rim.blur_px)
-    weight = np.ones_like(change)
-    shift: Floats = np.zeros(2)
-    within: Floats = np.zeros(rim.number)
-    for _ in range(PASSES):
-        out = rim.normals @ shift
-        inward = rim.inward + out
+@dataclass(frozen=True, slots=True, eq=False)
+class _Sector:
+    """A sector of the rim.
+
+    Attributes
+    ----------
+    pixels
+        Which of the rim's pixels are its own, shape (N,).
+    light
+        What a change of the light within and of its slope do to them, shape (N, 2).
+    density
+        What a shift of a step of one does to them, 1/px, shape (N,).
+    step, normal
+        Of the middle picture; outward direction (row, column), shape (2,).
+    """
+
+    pixels: Ints
+    light: Floats
+    density: Floats
+    step: float
+    normal: Floats
+
+
+def _sectors_of(rim: _Rim) -> list[_Sector]:
+    found = []
+    for k in range(rim.number):
+        own = np.flatnonzero(rim.sectors == k)
+        if len(own) < LEAST_PIXELS:
+            continue
+        inward, normal = rim.inward[own], rim.normals[own].mean(axis=0)
         cover = ndtr(inward / rim.blur_px)
         density = np.exp(-0.5 * (inward / rim.blur_px) ** 2) / (np.sqrt(2 * np.pi) * rim.blur_px)
-        slopes = ((rim.steps + within[rim.sectors]) * density)[:, None] * rim.normals
-        target = change - rim.steps * (cover - at_rest) + slopes @ shift
-        free = np.stack([cover, cover * rim.inward], axis=1)
-        parts = _without(np.column_stack([target, slopes]), free, weight, rim)
-        aim, own = parts[:, 0], parts[:, 1:]
-        matrix = (own * weight[:, None]).T @ own
-        shift = np.asarray(
-            np.linalg.solve(matrix + 1e-12 * np.eye(2), (own * weight[:, None]).T @ aim),
-            dtype=np.float64,
-        )
-        residual = aim - own @ shift
-        within = _levels(target - slopes @ shift, free, weight, rim)
-        share = np.minimum(1.0, (residual / (REJECTED_SIGMAS * _spread(residual, own))) ** 2)
-        weight = (1 - share) ** 2
-    scores = np.zeros((BLOTCHES, 2))
-    np.add.at(scores, rim.sectors * BLOTCHES // rim.number, (weight * residual)[:, None] * own)
-    inverse = np.linalg.inv(matrix + 1e-12 * np.eye(2))
-    covariance = inverse @ (scores.T @ scores) @ inverse
-    left = float((weight * residual**2).sum() / max(weight.sum(), 1.0))
-    return np.array([*shift, *np.sqrt(np.diag(covariance)), left])
+        light_within = np.stack([cover, cover * inward], axis=1)
+        normal = normal / np.hypot(*normal)
+        found.append(_Sector(own, light_within, density, float(rim.steps[own[0]]), normal))
+    return found
 
 
-def _spread(residual: Floats, own: Floats) -> Floats:
-    """Return the standard deviation of what pixels leave: light's, and at the rim places' too.
+def _shifts(sectors: Sequence[_Sector], changes: Floats) -> Floats:
+    """Return what each sector shows in each frame, shape (5, frames, sectors).
 
-    A shift that is not known yet leaves much at the rim, where it is to be seen, and there alone.
+    Outward shift in px, its error for noise of one, change of the light within and of its slope,
+    and the mean square of what is left.
+
+    Parameters
+    ----------
+    changes
+        Of the light of the rim's pixels, shape (frames, N).
     """
-    slope = np.hypot(*own.T)
-    steep = slope > STEEP * slope.max()
-    flat = DEVIATION * float(np.median(np.abs(residual[~steep]))) if not steep.all() else 0.0
-    places = DEVIATION * float(np.median(np.abs(residual[steep]) / slope[steep]))
-    return np.asarray(np.hypot(flat + LEAST_SPREAD, places * slope))
+    found = np.zeros((5, len(changes), len(sectors)))
+    for k, sector in enumerate(sectors):
+        change = changes[:, sector.pixels]
+        level = np.zeros(len(changes))
+        for step in range(STEPS):
+            slopes = (sector.step + level)[:, None] * sector.density
+            design = np.broadcast_to(sector.light, (*change.shape, 2))
+            design = np.concatenate([design, slopes[..., None]], axis=2)
+            turned = design.transpose(0, 2, 1)
+            inverse = np.linalg.inv(turned @ design + 1e-6 * np.eye(3))
+            fit = (inverse @ (turned @ change[..., None]))[..., 0]
+            # Half of the way at first: shift and light trade places.
+            level = fit[:, 0] if step == STEPS - 1 else 0.5 * (level + fit[:, 0])
+        left = change - (design @ fit[..., None])[..., 0]
+        square = (left**2).sum(axis=1) / (len(sector.pixels) - 3)
+        found[:, :, k] = fit[:, 2], np.sqrt(inverse[:, 2, 2]), fit[:, 0], fit[:, 1], square
+    return found
 
 
-def _normal(free: Floats, weight: Floats, rim: _Rim) -> Floats:
-    """Return each sector's inverse normal matrix of its light, shape (sectors, 2, 2)."""
-    matrix = np.zeros((rim.number, 2, 2))
-    np.add.at(matrix, rim.sectors, weight[:, None, None] * free[:, :, None] * free[:, None, :])
-    return np.asarray(np.linalg.inv(matrix + 1e-9 * np.eye(2)), dtype=np.float64)
+def _errors(seen: Floats, steps: Floats) -> Floats:
+    """Return errors of the shifts of `_shifts`, px, shape (frames, sectors)."""
+    _, of_noise, level, slope, left = seen
+    noise = float(np.median(np.sqrt(left)))
+    step = np.abs(steps + level) + LEAST_STEP * noise + 1e-9
+    changed = np.minimum(MOST_CHANGE, np.abs(level) / step)
+    blotch = maximum_filter1d(changed, 2 * BLOTCH_FRAMES + 1, axis=0, mode="nearest")
+    square = EXACT_PX**2 + (OF_NOISE * noise * of_noise) ** 2 + (OF_BLOTCH * blotch) ** 2
+    square += (OF_LIGHT * level / step) ** 2 + (OF_SLOPE * slope / step) ** 2
+    return np.asarray(np.sqrt(square))
 
 
-def _without(columns: Floats, free: Floats, weight: Floats, rim: _Rim) -> Floats:
-    """Return columns less what each sector's light explains of them."""
-    right = np.zeros((rim.number, 2, columns.shape[1]))
-    np.add.at(right, rim.sectors, weight[:, None, None] * free[:, :, None] * columns[:, None, :])
-    found = _normal(free, weight, rim) @ right
-    return np.asarray(columns - np.einsum("ni,nij->nj", free, found[rim.sectors]), np.float64)
+def _together(normals: Floats, offsets: Floats, errors: Floats) -> tuple[Floats, Floats]:
+    """Return the shift of the whole rim in each frame, and its errors, each shape (frames, 2).
 
-
-def _levels(rest: Floats, free: Floats, weight: Floats, rim: _Rim) -> Floats:
-    """Return by how much the light within each sector's rim has changed."""
-    right = np.zeros((rim.number, 2, 1))
-    np.add.at(right, rim.sectors, (weight * rest)[:, None, None] * free[:, :, None])
-    return np.asarray((_normal(free, weight, rim) @ right)[:, 0, 0])
+    What a sector is off by in all frames is the middle picture's, which holds its blotches too.
+    """
+    own = np.median(offsets, axis=0)
+    shifts = np.zeros((len(offsets), 2))
+    for _ in range(1 + AGAIN):
+        for _ in range(PASSES):
+            left = offsets - own - shifts @ normals.T
+            weight = (FREEDOM + 1) / (FREEDOM * errors**2 + left**2)
+            matrix = np.einsum("ts,si,sj->tij", weight, normals, normals) + 1e-9 * np.eye(2)
+            right = np.einsum("ts,si,ts->ti", weight, normals, offsets - own)
+            shifts = np.linalg.solve(matrix, right[..., None])[..., 0]
+        left = offsets - shifts @ normals.T
+        own = (weight * left).sum(axis=0) / weight.sum(axis=0)
+    return shifts, np.sqrt(np.diagonal(np.linalg.inv(matrix), axis1=1, axis2=2))
