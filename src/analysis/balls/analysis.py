@@ -141,11 +141,25 @@ def analyse_held(film: Film, times: Floats, ball: Ball, exposure: float | None) 
                 refusal.placed = refusal.place(film)
             raise
         return turned
+    if measured.bounces == 0 and _seen_elsewhere(measured):
+        turned = _turned(film, times, ball, exposure)
+        if turned is not None and turned.measured.bounces:
+            return turned
     return AnalysedFilm(film, measured, remarks(measured))
 
 
+def _seen_elsewhere(measured: MeasuredBall) -> bool:
+    """Return whether a ball is seen in more frames outside its one flight than in it."""
+    flown = sum(len(arc.frames) for arc in measured.chain.arcs)
+    return len(measured.search.unexplained) > flown
+
+
 def _turned(film: Film, times: Floats, ball: Ball, exposure: float | None) -> AnalysedFilm | None:
-    """Measure a film in which things fall up or sideways; None where they fall no way."""
+    """Measure a film in which things fall up or sideways; None where they fall no way.
+
+    A way in which the ball bounces goes before one in which it only flies.
+    """
+    found: AnalysedFilm | None = None
     for turns, way in TURNS.items():
         upright = PartOfFilm(film, Cut(), turns)
         try:
@@ -153,8 +167,11 @@ def _turned(film: Film, times: Floats, ball: Ball, exposure: float | None) -> An
         except ShotRefusedError:
             continue
         note = f"the film {way}: rows and columns are those of the picture turned upright"
-        return AnalysedFilm(upright, measured, (note, *remarks(measured)))
-    return None
+        if found is None or measured.bounces:
+            found = AnalysedFilm(upright, measured, (note, *remarks(measured)))
+        if measured.bounces:
+            break
+    return found
 
 
 def frame_times(film: Film, rate_hz: float | None) -> Floats:

@@ -15,8 +15,9 @@ from analysis.balls.flight.fit import fit_flights
 from analysis.balls.flight.flights import Flights, Observed, Start
 from analysis.balls.flight.known import Ball, Known, View
 from analysis.balls.flight.lost import contradicted, find_gap, unsure_e
+from analysis.balls.found import Search
 from analysis.balls.gaps import Gap, mended
-from analysis.balls.searching import Search, search
+from analysis.balls.searching import search
 from analysis.balls.seen.arcs import Arc, Chain
 from analysis.balls.seen.free_fall import rests
 from analysis.balls.seen.looks import Looks

@@ -29,6 +29,8 @@ FOLLOWED = 4.0
 """Frames from the last place of a flight to the bounce that ends it: seen up to there."""
 CONTACT_FRAMES = 0.6
 """Frames beside a contact, and half the exposure, in which places may show part of it."""
+FEW_GAPS = 2
+"""Places at which a film lacks frames whose rate holds."""
 SHOWN = 12
 """Frames that a sentence lists."""
 
@@ -68,7 +70,7 @@ def _remarks(measured: MeasuredBall) -> Iterator[str]:
 
 def _other(other: Chain, is_round: bool) -> str:
     arc = other.arcs[0]
-    what = "another ball of the same looks flies" if is_round else "something else moves"
+    what = "another ball flies" if is_round else "something else moves"
     return (
         f"{what} in frames {arc.frames[0]} to "
         f"{other.arcs[-1].frames[-1]}, first {_at(arc, 0)}; it is left out"
@@ -89,6 +91,14 @@ def _missing(measured: MeasuredBall) -> Iterator[str]:
             f"were {counted(gap.count, 'frame')} later; the times of this frame and of those after "
             f"it were set {1e3 * gap.count * period:.3g} ms later, and frame numbers count the "
             "frames that are there"
+        )
+    if len(measured.gaps) > FEW_GAPS:
+        first, last = measured.gaps[0].frame, measured.gaps[-1].frame
+        (a, b), (c, d) = (places[int(np.argmin(np.abs(frames - at)))] for at in (first, last))
+        yield (
+            f"where frames seem to be missing at {len(measured.gaps)} places, from frame {first} "
+            f"at ({a:.0f}, {b:.0f}) px to frame {last} at ({c:.0f}, {d:.0f}) px, it may be that "
+            "the film's rate varies and its times do not say so"
         )
     if measured.more_gaps:
         yield (
@@ -289,19 +299,20 @@ def _of_flights(flights: Flights, head: FilmHead) -> Iterator[str]:
                 f"{LEAST_PLACES} are needed for an error that can be trusted"
             )
     row_rms = float(np.std(flights.residuals[flights.used, 0]))
+    off = np.where(flights.used, np.hypot(*flights.residuals.T), 0.0)
+    worst = int(np.argmax(off))
+    row, column = flights.observed.places[worst]
+    furthest = f"furthest in frame {flights.observed.frames[worst]} at ({row:.0f}, {column:.0f}) px"
     if row_rms > 1.0:
         yield (
-            f"places scatter by {row_rms:.1f} px about free flights: check that times and frame "
-            "rate are those of the film, and that nothing hides the ball"
+            f"places scatter by {row_rms:.1f} px about free flights, {furthest}: frames are "
+            "missing, the film's rate varies and its times do not say so, the rate is not that of "
+            "the film, or something hides the ball; e may be further off than its error says"
         )
     elif flights.chi2_per_dof > LARGE_CHI2:
-        off = np.where(flights.used, np.hypot(*flights.residuals.T), 0.0)
-        worst = int(np.argmax(off))
-        row, column = flights.observed.places[worst]
         yield (
             f"places lie {flights.chi2_per_dof**0.5:.0f} times further from free flights than "
-            f"each is uncertain, furthest in frame {flights.observed.frames[worst]} at "
-            f"({row:.0f}, {column:.0f}) px: frames may be missing, or the film's rate varies and "
+            f"each is uncertain, {furthest}: frames may be missing, or the film's rate varies and "
             "its times do not say so; e may be further off than its error says"
         )
     left_out = [int(f) for f in flights.observed.frames[~flights.used]]

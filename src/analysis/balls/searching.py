@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,6 +13,15 @@ from analysis.balls.discs.finding import Disc, find_balls
 from analysis.balls.films.fields import refuse_combed
 from analysis.balls.films.film import Film, FilmHead, Picture, spread_frames
 from analysis.balls.flight.known import Ball
+from analysis.balls.found import (
+    CLEAR_FRAMES,
+    MUCH_MORE,
+    Search,
+    another,
+    best_of,
+    frames_of,
+    stated_first,
+)
 from analysis.balls.gaps import Gap, mended
 from analysis.balls.seen.arcs import Chain, Sightings, chains, find_arcs, joined
 from analysis.balls.seen.background import Brightness, background, evened, some_pixels
@@ -39,12 +48,8 @@ SURE_SHARE = 0.1
 """Of the surest family's weight: others are looked at only where no sure one flies."""
 COARSE, LARGE_PICTURE = 4.0, 400_000
 """Times the smallest radius: smaller discs of larger pictures than this (px) are sought last."""
-CLEAR_FRAMES = 12
-"""Of flights that bend alike and meet in a bounce: what flies in so many is the ball."""
 LEAST_FRAMES = 6
 LEAST_BALL_FRAMES = 6
-MUCH_MORE = 1.25
-"""Frames of flights that bend alike of less sure discs, over those of surer ones, that win."""
 FALLS = (1.0, 0.7, 1.4, 0.5, 2.0)
 """Of the fall that follows from the stated diameter: those that are tried."""
 NEAR_RADII = 0.5
@@ -52,48 +57,6 @@ NEAR_RADII = 0.5
 HARDLY, LEAST_STEP_PX = 0.15, 2.0
 """Share of the steps beside it that the disc of a picture shown twice moves at most, and the least
 of these steps, px."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Search:
-    """A ball and its flights as seen first.
-
-    Attributes
-    ----------
-    looks, chain
-        Of the ball.
-    fall
-        Free fall in the picture by the ball's size, (row, column) in px/s^2; where the flights bend
-        otherwise, nearly as they do.
-    contradicts
-        Whether they do.
-    times_s
-        Of all frames, shape (frames,): as stated, but later where frames are missing before them.
-    gaps
-        Where a ball jumps along its flight by whole steps: frames that are missing.
-    others
-        Flights beside the ball's own, the strongest first, each with whether a disc is seen there.
-    unexplained
-        Frame, row and column where the ball is seen outside its flights; shape (N, 3).
-    repeated
-        Frames that show the picture before them once more.
-    gains
-        Light of each frame over that of what stands still, shape (frames,).
-    about
-        The pictures about all sightings; None of a film that is held.
-    """
-
-    looks: Looks
-    chain: Chain
-    fall: Floats
-    others: tuple[tuple[Chain, bool], ...]
-    unexplained: Floats
-    repeated: tuple[int, ...]
-    gains: Floats
-    about: Surroundings | None
-    contradicts: bool
-    times_s: Floats
-    gaps: tuple[Gap, ...]
 
 
 def search(film: Film, times_s: Floats, ball: Ball, *, complete: bool = False) -> Search:
@@ -126,9 +89,8 @@ def search(film: Film, times_s: Floats, ball: Ball, *, complete: bool = False) -
     if turning is not None:
         raise TurningError(turning, ground, times_s)
     found: list[tuple[int, Disc]] = []
-    best: Search | None = None
+    seen: list[Search] = []
     refused: ShotRefusedError | None = None
-    frames = 0
     for radii, share in _size_ranges(ground):
         found += find_discs_that_move(samples, ground, noise, radii)
         groups = families(found)[:MOST_FAMILIES]
@@ -138,14 +100,13 @@ def search(film: Film, times_s: Floats, ball: Ball, *, complete: bool = False) -
             if isinstance(one, ShotRefusedError):
                 refused = refused or one
                 continue
-            # The surest rims come first; the strengths of families are each in units of its own.
-            flies, _ = agreeing(one.chain, one.looks, one.fall)
-            if best is None or flies > MUCH_MORE * frames:
-                best, frames = one, flies
-        if best is not None and frames >= CLEAR_FRAMES and len(best.chain.times_s):
-            return best
-    if best is not None:
-        return best
+            seen.append(one)
+        if seen and frames_of(best_of(seen)) >= CLEAR_FRAMES and len(best_of(seen).chain.times_s):
+            break
+    if seen:
+        best = best_of(seen)
+        others = tuple((one.chain, True) for one in seen if another(one, best))
+        return replace(best, others=(*best.others, *others))
     raise refused or ShotRefusedError(
         "ball",
         f"nothing round moves in this film: {len(samples)} of its {head.frames} frames "
@@ -248,6 +209,7 @@ def _flights(seen: Sightings, looks: Looks, stated: Floats) -> _Flights | None:
         linked = [each for each in chains(arcs, looks.radius_px, fall) if falls(each, looks, fall)]
         if not linked:
             continue
+        stated_first(linked, looks, fall)
         chain = flown(flying(linked[0], looks, fall), looks.radius_px)
         frames, alike = agreeing(chain, looks, fall)
         clear = frames >= CLEAR_FRAMES and alike > 1

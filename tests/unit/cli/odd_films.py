@@ -169,3 +169,32 @@ def lit_from_above(rows: list[float], column: float = 60.0) -> list[Drawn]:
         noisy = blurred + rng.normal(0.0, 1.5, SHAPE)
         shown.append(np.asarray(np.clip(np.rint(noisy), 0, 255), np.uint8))
     return shown
+
+
+def two_that_fall_otherwise() -> list[Drawn]:
+    """Draw two balls of one size, the second farther from the camera's scale: it falls slower.
+
+    The first, whose size is stated, is seen in fewer frames.
+    """
+    slow = bouncing(400, 0.7, per_frame=4)
+    times = np.arange(100) / RATE
+    others = np.interp(0.75 * times, np.arange(400) / (4 * RATE), slow)
+    return [
+        np.hstack([picture(row if k >= 12 else -100.0), picture(float(other))])
+        for k, (row, other) in enumerate(zip(bouncing(), others, strict=True))
+    ]
+
+
+def upside_down_after_a_fall() -> list[Drawn]:
+    """Draw a ball that bounces in pictures upside down, and before it one that falls upright."""
+    falls = [picture(40.0 + 0.5 * FALL * (k / RATE) ** 2, 30.0) for k in range(45)]
+    return falls + [np.ascontiguousarray(picture(row)[::-1, ::-1]) for row in bouncing()]
+
+
+def noise_alone(sigma: float, count: int = 24) -> list[Drawn]:
+    """Draw pictures of a wall."""
+    rng = np.random.default_rng(5)
+    return [
+        np.asarray(np.clip(np.rint(rng.normal(90.0, sigma, SHAPE)), 0, 255), np.uint8)
+        for _ in range(count)
+    ]

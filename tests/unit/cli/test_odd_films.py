@@ -181,6 +181,31 @@ def test_a_film_with_more_gaps_than_are_mended_is_said(
     assert "not to be believed" in said(shot, "missing at more places")
 
 
+def test_of_two_balls_the_one_that_falls_as_its_stated_size_says_is_measured(
+    tmp_path: Path, capsys: Capsys
+) -> None:
+    shot = analysed(odd_films.two_that_fall_otherwise(), tmp_path, capsys)
+    assert is_true(shot["impacts"][0], 0.8)
+    assert shot["scale_px_per_m"]["agree"]
+    assert max(shot["positions"]["column_px"]) < 120.0
+    assert "180) px" in said(shot, "another ball flies")
+
+
+def test_a_film_that_stands_upside_down_is_told_though_something_falls_upright_in_it(
+    tmp_path: Path, capsys: Capsys
+) -> None:
+    shot = analysed(odd_films.upside_down_after_a_fall(), tmp_path, capsys)
+    assert "upside down" in shot["notes"][0]
+    assert is_true(shot["impacts"][0], 0.8)
+
+
+def test_a_film_of_noise_is_not_taken_for_an_interlaced_one(tmp_path: Path, capsys: Capsys) -> None:
+    film = save(tmp_path / "film", odd_films.noise_alone(2.0))
+    shot = answer(capsys, str(film), *SIZE, "--fps", "200")
+    assert (shot["status"], shot["step"]) == ("refused", "ball")
+    assert "of its 24 frames" in shot["reason"]
+
+
 @pytest.mark.parametrize(
     "changes",
     [

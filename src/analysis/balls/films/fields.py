@@ -64,7 +64,12 @@ def _combed(difference: Singles, level: float) -> tuple[NDArray[np.bool_], NDArr
     first, second = here - above, here - below
     least = np.minimum(np.abs(first), np.abs(second))
     comb = (first * second > 0) & (least > level) & (np.abs(above - below) < 0.5 * least)
-    return changed, comb
+    # The rim of what moves lies in some rows of a field; noise lies in single ones.
+    both = comb[2:] & comb[:-2] & (first[2:] * first[:-2] > 0)
+    kept = np.zeros_like(comb)
+    kept[2:] |= both
+    kept[:-2] |= both
+    return changed, kept
 
 
 class FieldsFilm(Film):

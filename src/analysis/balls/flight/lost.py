@@ -40,6 +40,8 @@ DOUBT_GAIN = 25.0
 """The same with times that are not sure: from here on they may be the right ones."""
 LOST_FRAMES = 2.0
 """From a bounce that was seen to the contact that was fitted."""
+MOST_SCATTER_PX = 1.0
+"""Of rows about flights with more bounces, whose times are right."""
 MOST_E = 1.02
 """No ball leaves a plate at rest faster than it came."""
 NEARER = 4.0
@@ -114,7 +116,8 @@ def find_gap(observed: Observed, start: Start, known: Known, flights: Flights) -
         worse = fitted.chi2_per_dof / flights.chi2_per_dof
         if fitted.bounces > flights.bounces:
             # What was a bounce to those who sought flights is one again.
-            explains = gain > LEAST_GAIN or worse < WORSE_WITH_MORE
+            near = float(np.std(fitted.residuals[fitted.used, 0])) < MOST_SCATTER_PX
+            explains = near and (gain > LEAST_GAIN or worse < WORSE_WITH_MORE)
         else:
             explains = worse < WORSE
             if explains and gain > DOUBT_GAIN and _holds(fitted, gap, period, math.inf):

@@ -18,6 +18,8 @@ from analysis.balls.seen.looks import Looks
 
 FALL_SHARE = (0.5, 2.0)
 """Of the fall that follows from the ball's size: between these a ball flies."""
+STATED_SHARE = 0.15
+"""Of the fall: by how much flights of the ball whose diameter is stated bend otherwise at most."""
 BEND_SHARE, BEND_SIGMAS = 0.12, 2.0
 """Flights of one ball bend alike: up to what drag and perspective change, and errors of places."""
 LEAST_BEND = 1.5
@@ -59,6 +61,12 @@ def falls(chain: Chain, looks: Looks, fall: Floats) -> bool:
         return False
     (share, sigma), (low, high) = bend, FALL_SHARE
     return bool(low - 2 * sigma < share < high + 2 * sigma)
+
+
+def as_stated(chain: Chain, looks: Looks, fall: Floats) -> bool:
+    """Return whether a chain's flights surely bend as the stated diameter says."""
+    bend = _bend(chain.arcs, looks, fall)
+    return bend is not None and abs(bend[0] - 1.0) + bend[1] < STATED_SHARE
 
 
 def _bend(arcs: Sequence[Arc], looks: Looks, fall: Floats) -> tuple[float, float] | None:

@@ -1,0 +1,118 @@
+"""Balls that were found in a film, and which of several is the one that was asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from analysis.arrays import Floats
+from analysis.balls.gaps import Gap
+from analysis.balls.seen.arcs import Chain
+from analysis.balls.seen.free_fall import agreeing, as_stated
+from analysis.balls.seen.looks import Looks
+from analysis.balls.seen.surroundings import Surroundings
+
+CLEAR_FRAMES = 12
+"""Of flights that bend alike and meet in a bounce: what flies in so many is the ball."""
+MUCH_MORE = 1.25
+"""Frames of flights that bend alike of less sure discs, over those of surer ones, that win."""
+APART_RADII = 2.0
+"""Between two balls: a ball's own light and shadow, taken for discs of other sizes, lie nearer."""
+HALF_AS_STRONG = 0.5
+"""Strength over that of the strongest chain, of one that may be the ball whose size is stated."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Search:
+    """A ball and its flights as seen first.
+
+    Attributes
+    ----------
+    looks, chain
+        Of the ball.
+    fall
+        Free fall in the picture by the ball's size, (row, column) in px/s^2; where the flights bend
+        otherwise, nearly as they do.
+    contradicts
+        Whether they do.
+    times_s
+        Of all frames, shape (frames,): as stated, but later where frames are missing before them.
+    gaps
+        Where a ball jumps along its flight by whole steps: frames that are missing.
+    others
+        Flights beside the ball's own, the strongest first, each with whether a disc is seen there.
+    unexplained
+        Frame, row and column where the ball is seen outside its flights; shape (N, 3).
+    repeated
+        Frames that show the picture before them once more.
+    gains
+        Light of each frame over that of what stands still, shape (frames,).
+    about
+        The pictures about all sightings; None of a film that is held.
+    """
+
+    looks: Looks
+    chain: Chain
+    fall: Floats
+    others: tuple[tuple[Chain, bool], ...]
+    unexplained: Floats
+    repeated: tuple[int, ...]
+    gains: Floats
+    about: Surroundings | None
+    contradicts: bool
+    times_s: Floats
+    gaps: tuple[Gap, ...]
+
+    @property
+    def as_stated(self) -> bool:
+        """Return whether the ball surely bends as the stated diameter says."""
+        return not self.contradicts and as_stated(self.chain, self.looks, self.fall)
+
+
+def best_of(seen: Sequence[Search]) -> Search:
+    """Return the ball that flies most surely; of several, the one whose diameter is stated.
+
+    The surest rims come first; the strengths of families are each in units of its own.
+    """
+    best = seen[0]
+    for one in seen[1:]:
+        if frames_of(one) > MUCH_MORE * frames_of(best):
+            best = one
+    others = [one for one in seen if one.as_stated and another(one, best)]
+    return best if best.as_stated or not others else max(others, key=frames_of)
+
+
+def frames_of(found: Search) -> int:
+    """Return in how many frames flights bend alike."""
+    return agreeing(found.chain, found.looks, found.fall)[0]
+
+
+def another(one: Search, best: Search) -> bool:
+    """Return whether a second ball bounces elsewhere than the first, and clearly."""
+    frames, alike = agreeing(one.chain, one.looks, one.fall)
+    if one is best or frames < CLEAR_FRAMES or alike < 2 or one.contradicts:
+        return False
+    theirs = {
+        int(f): p for arc in best.chain.arcs for f, p in zip(arc.frames, arc.places, strict=True)
+    }
+    apart = [
+        np.hypot(*(place - theirs[int(frame)]))
+        for arc in one.chain.arcs
+        for frame, place in zip(arc.frames, arc.places, strict=True)
+        if int(frame) in theirs
+    ]
+    reach = APART_RADII * max(one.looks.radius_px, best.looks.radius_px)
+    return len(apart) >= CLEAR_FRAMES and bool(np.min(apart) > reach)
+
+
+def stated_first(linked: list[Chain], looks: Looks, fall: Floats) -> None:
+    """Put the chain first that bends as the stated diameter says, where the strongest does not."""
+    if as_stated(linked[0], looks, fall):
+        return
+    for k, chain in enumerate(linked[1:], start=1):
+        sure = chain.strength > HALF_AS_STRONG * linked[0].strength
+        if sure and len(chain.times_s) and as_stated(chain, looks, fall):
+            linked.insert(0, linked.pop(k))
+            return
