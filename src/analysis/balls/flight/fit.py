@@ -81,7 +81,8 @@ def fit_flights(
         if fitted is not None and again and _ran_off(fitted):
             problem.begin = first
             fitted = min(fitted, _settle(problem, again=False), key=_left)
-        if fitted is None or fitted.contradiction:
+        # A fit that a wrong fall holds far from all places leaves none of them.
+        if fitted is None or fitted.contradiction or not fitted.used.any():
             fitted = _by_fall(problem, again=again, by_sightings=fitted is None)
         kept = fitted.longest_chain(problem.high(fitted))
         if len(kept) == fitted.bounces + 1:
