@@ -201,7 +201,7 @@ def shifts(looks: Looks, taught: tuple[Placed, Placed, Placed], flights: Flights
     by_last = _moved(last.frames, last.places, earlier)[np.isin(last.frames, placed.frames)]
     by_light = _moved(placed.frames, placed.places, bare)
     most = MOST_BY_LIGHT * looks.radius_px
-    by_size = leans * looks.radius_sigma_px / looks.radius_px
+    by_size = leans * max(looks.radius_sigma_px / looks.radius_px, flights.disagreement)
     return np.stack([by_size, _at_most(by_last, most), _at_most(by_light, most)])
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -164,6 +165,16 @@ class Flights:
         lasts = 2.0 * self.contacts[-1, 3] / self.values[path.FALL]
         stay = max(0.0, float(self.values[path.STAY]))
         return float(self.contacts[-1, 0] + stay + lasts)
+
+    @property
+    def disagreement(self) -> float:
+        """Return by how much diameter and gravity differ where they contradict each other, else 0.
+
+        Relative: it may be the ball's radius in the picture that is wrong by as much.
+        """
+        if not self.contradiction:
+            return 0.0
+        return abs(math.log(self.scale_of_fall[0] / self.scale_of_diameter[0]))
 
     @property
     def doubt(self) -> float:

@@ -97,11 +97,7 @@ class Placer:
 
     def learn_blur(self, windows: Sequence[Window], motion: Motion) -> None:
         """Take the blur that explains the slowest frames best."""
-        slow = self._by_speed(windows, motion)[: MORE_SLOW * SLOW_FRAMES]
-        # A hand that lets the ball go covers part of its rim in the slowest frames of all.
-        fits = self._fits(slow, motion, 0.0)
-        order = np.argsort([fit[4] if fit[5] > 0 else np.inf for _, fit, _ in fits])
-        chosen = [slow[k] for k in order[:SLOW_FRAMES]]
+        chosen = self._slow(windows, motion)
 
         def misfits(blur: float) -> Floats:
             self.blur_px = blur
@@ -114,7 +110,7 @@ class Placer:
 
         A ball whose far side is as dark as the ground shows a rim that is not its own.
         """
-        chosen = self._by_speed(windows, motion)[:SLOW_FRAMES]
+        chosen = self._slow(windows, motion)
         rim = self.radius_px
 
         def misfit(factor: float) -> float:
@@ -155,6 +151,16 @@ class Placer:
             found = _least(_together(misfits, whole), whole)
         self.exposure_s, self._exposure_told = found, True
         return self.exposure_s, TOLD_SMEAR_PX / fastest / np.sqrt(min(len(chosen), FAST_FRAMES))
+
+    def _slow(self, windows: Sequence[Window], motion: Motion) -> list[Window]:
+        """Return those of the slowest frames that are explained best.
+
+        A hand that lets the ball go covers part of its rim in the slowest frames of all.
+        """
+        slow = self._by_speed(windows, motion)[: MORE_SLOW * SLOW_FRAMES]
+        fits = self._fits(slow, motion, 0.0)
+        order = np.argsort([fit[4] if fit[5] > 0 else np.inf for _, fit, _ in fits])
+        return [slow[k] for k in order[:SLOW_FRAMES]]
 
     def _by_speed(self, windows: Sequence[Window], motion: Motion) -> list[Window]:
         sizes = np.hypot(*motion.speeds.T).tolist()

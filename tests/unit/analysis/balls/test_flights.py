@@ -100,6 +100,7 @@ def test_a_diameter_that_contradicts_gravity_is_told_and_left_out() -> None:
     flights = fit_flights(parabolas(np.random.default_rng(4)), start(), known(diameter_m=0.06))
     assert flights is not None
     assert flights.contradiction
+    assert flights.disagreement == pytest.approx(math.log(1.5), abs=0.01)
     assert flights.scale_px_per_m == pytest.approx(SCALE, rel=0.005)
     assert flights.contacts[0, 3] / flights.contacts[0, 1] == pytest.approx(1.9 / 2.4, abs=0.002)
 

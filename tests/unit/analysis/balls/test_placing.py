@@ -121,3 +121,17 @@ def test_a_ball_that_comes_nearer_is_seen_to_grow_by_what_it_does() -> None:
     assert np.abs(off - off.mean()).max() < 5 * found.sizes[:, 1].max() < 0.01
     # Its dark side moves less with the radius than the side that is seen.
     assert (found.shifts[:, 0] > 0).all()
+
+
+def test_fingers_at_a_ball_that_is_let_go_are_not_taken_for_its_rim() -> None:
+    windows, motion = falling(0.0, shadow=0.0)
+    rows, columns = np.mgrid[:SIZE, :SIZE]
+    for each in windows[:6]:
+        # As bright as the ball, about all of it but the lower rim.
+        row, column = motion.places[each.frame]
+        away = np.hypot(rows - row + 4.0, columns - column)
+        each.pixels[0][(away < 1.3 * RADIUS) & (away > RADIUS)] = 0.8
+    placer = Placer.new(RADIUS, 0.0)
+    placer.blur_px = 0.4
+    assert not placer.learn_radius(windows, motion)
+    assert placer.radius_px == RADIUS
