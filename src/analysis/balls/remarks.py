@@ -31,6 +31,8 @@ CONTACT_FRAMES = 0.6
 """Frames beside a contact, and half the exposure, in which places may show part of it."""
 FEW_GAPS = 2
 """Places at which a film lacks frames whose rate holds."""
+MOST_SCATTER_PX = 1.0
+"""Of places about flights: more is no error of a place."""
 SHOWN = 12
 """Frames that a sentence lists."""
 
@@ -298,23 +300,7 @@ def _of_flights(flights: Flights, head: FilmHead) -> Iterator[str]:
                 f"bounce {bounce + 1} has {before} frames before and {after} after it; "
                 f"{LEAST_PLACES} are needed for an error that can be trusted"
             )
-    row_rms = float(np.std(flights.residuals[flights.used, 0]))
-    off = np.where(flights.used, np.hypot(*flights.residuals.T), 0.0)
-    worst = int(np.argmax(off))
-    row, column = flights.observed.places[worst]
-    furthest = f"furthest in frame {flights.observed.frames[worst]} at ({row:.0f}, {column:.0f}) px"
-    if row_rms > 1.0:
-        yield (
-            f"places scatter by {row_rms:.1f} px about free flights, {furthest}: frames are "
-            "missing, the film's rate varies and its times do not say so, the rate is not that of "
-            "the film, or something hides the ball; e may be further off than its error says"
-        )
-    elif flights.chi2_per_dof > LARGE_CHI2:
-        yield (
-            f"places lie {flights.chi2_per_dof**0.5:.0f} times further from free flights than "
-            f"each is uncertain, {furthest}: frames may be missing, or the film's rate varies and "
-            "its times do not say so; e may be further off than its error says"
-        )
+    yield from _far_from_flights(flights)
     left_out = [int(f) for f in flights.observed.frames[~flights.used]]
     if len(left_out) > MOST_LEFT_OUT * len(flights.used):
         out = np.flatnonzero(~flights.used)
@@ -325,6 +311,27 @@ def _of_flights(flights: Flights, head: FilmHead) -> Iterator[str]:
             "px: the film's rate varies and its times do not say so, or something holds or hides "
             f"the ball; the error of e holds as much ({flights.doubt:.2f})"
         )
+
+
+def _far_from_flights(flights: Flights) -> Iterator[str]:
+    """Say how far places lie from flights that are no free ones."""
+    row_rms = float(np.std(flights.residuals[flights.used, 0]))
+    if row_rms > MOST_SCATTER_PX:
+        far = f"scatter by {row_rms:.1f} px about free flights"
+    elif flights.chi2_per_dof > LARGE_CHI2:
+        times = flights.chi2_per_dof**0.5
+        far = f"lie {times:.0f} times further from free flights than each is uncertain"
+    else:
+        return
+    off = np.where(flights.used, np.hypot(*flights.residuals.T), 0.0)
+    worst = int(np.argmax(off))
+    row, column = flights.observed.places[worst]
+    yield (
+        f"places {far}, furthest in frame {flights.observed.frames[worst]} at ({row:.0f}, "
+        f"{column:.0f}) px: check the frame rate; frames may be missing, the film's rate varies "
+        "and its times do not say so, or something hides the ball; e may be further off than its "
+        "error says"
+    )
 
 
 def _beyond_one(flights: Flights) -> Iterator[str]:
