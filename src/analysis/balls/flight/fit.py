@@ -331,9 +331,9 @@ def _not_negative(value: float, sigma: float) -> tuple[float, float]:
 
 
 def _hold(covariance: Floats, known_sigmas: Floats, index: int, sigma: float) -> None:
-    """Make one number as sure as that, and what goes with it."""
+    """Make one number as sure as that, where it is less sure, and what goes with it."""
     variance = float(covariance[index, index])
-    if variance == 0.0:
+    if variance <= sigma**2:
         return
     share = sigma**2 / variance
     covariance -= (1.0 - share) / variance * np.outer(covariance[index], covariance[index])

@@ -25,8 +25,6 @@ BARREL_SIGMA = 0.01
 """Of a lens, at half the picture's larger side."""
 LOOK_SIGMA = 0.1
 """rad, of a camera's line of sight against the plane of the flight."""
-LEAST_FOCUS = 1.0
-"""Focal lengths are this many of the picture's larger sides at least."""
 NEAREST_M, VIEWS_AWAY, AWAY_SPREAD = 0.4, 1.6, 0.8
 """A camera stands that far off, and so many times the larger side of what it sees, where that is
 little with a long lens and where it is much; the spread of the distance's logarithm."""
@@ -157,6 +155,11 @@ class View:
         distance = NEAREST_M + VIEWS_AWAY * seen_m
         return 2.0 * math.log(seen_m / distance), 2.0 * AWAY_SPREAD
 
+    def per_focal(self, scale_px_per_m: float) -> float:
+        """Return the root mean square of one over the focal length, 1/px."""
+        middle, spread = self.aslant(scale_px_per_m)
+        return math.exp(0.5 * middle + 0.25 * spread**2) / max(self.height, self.width)
+
     def row_time(self) -> tuple[float, float]:
         """Return the time a row is read after the one above, and its standard error, s."""
         if self.row_time_s is not None:
@@ -167,7 +170,7 @@ class View:
         middle = READOUT_SHARE * self.period_s / lines
         return middle, 0.6 * middle
 
-    def receding_sigma(self, before: Floats, after: Floats) -> float:
+    def receding_sigma(self, before: Floats, after: Floats, per_focal: float) -> float:
         """Return the standard error of a ball's speed away from the camera, camera distances a s.
 
         A ball drifts along the line of sight as it does across the picture.
@@ -176,13 +179,15 @@ class View:
         ----------
         before, after
             Speeds at the bounces (row, column), px/s, shape (B, 2).
+        per_focal
+            One over the focal length, 1/px.
         """
         across = np.concatenate([before[:, 1], after[:, 1]])
         down = np.abs(np.concatenate([before[:, 0], after[:, 0]]))
         drift = math.hypot(float(np.sqrt((across**2).mean())), DRIFT_SHARE * float(down.mean()))
-        return drift / (LEAST_FOCUS * max(self.height, self.width))
+        return drift * per_focal
 
-    def receding_by_spin(self, before: Floats, after: Floats, aslant: float) -> Floats:
+    def receding_by_spin(self, before: Floats, after: Floats, per_focal: float) -> Floats:
         """Return how much of a speed away from the camera spins give at bounces, shape (B,).
 
         As much as across the picture, where friction alone leaves between 3/5 and all of a speed.
@@ -192,17 +197,13 @@ class View:
         ----------
         before, after
             Speeds at the bounces (row, column), px/s, shape (B, 2).
-        aslant
-            Larger side of the picture over the focal length, squared.
+        per_focal
+            One over the focal length, 1/px.
         """
         slowed = FRICTION_LEAVES * before[:, 1]
         least, most = np.minimum(slowed, before[:, 1]), np.maximum(slowed, before[:, 1])
         gained = np.abs(after[:, 1] - np.clip(after[:, 1], least, most))
-        return np.asarray(gained * math.sqrt(aslant) / max(self.height, self.width))
-
-    def perspective_sigma(self) -> float:
-        """Return the standard error of the perspective term about zero, 1/px."""
-        return LOOK_SIGMA / (LEAST_FOCUS * max(self.height, self.width))
+        return np.asarray(gained * per_focal)
 
 
 @dataclass(frozen=True, slots=True)

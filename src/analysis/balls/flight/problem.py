@@ -14,6 +14,7 @@ from analysis.balls.flight.flights import Flights, Ints, Observed, Start
 from analysis.balls.flight.known import (
     BARREL_SIGMA,
     LEVEL_SIGMA,
+    LOOK_SIGMA,
     ROLL_SIGMA,
     SHORTENING,
     SHORTENING_SIGMA,
@@ -76,7 +77,8 @@ class Problem:
         know(path.FALL, math.log(ball.gravity * self.scale), self.scale_sigma)
         know(path.DRAG, math.log(drag / self.scale), drag_spread)
         know(path.ROW_TIME, row_time, row_sigma)
-        know(path.PERSPECTIVE, 0.0, view.perspective_sigma())
+        per_focal = view.per_focal(self.scale)
+        know(path.PERSPECTIVE, 0.0, LOOK_SIGMA * per_focal)
         know(path.ROLL, 0.0, ROLL_SIGMA)
         know(path.STAY, 0.0, STAY_S * ball.diameter_m / 0.02)
         know(path.SHORTENING, SHORTENING, SHORTENING_SIGMA)
@@ -87,15 +89,14 @@ class Problem:
         know(path.BARREL, 0.0, BARREL_SIGMA)
         know(path.ASLANT, *view.aslant(self.scale))
         know(path.OUTLINE, 0.0, known.outline_sigma() if observed.leans is not None else 0.0)
-        receding = view.receding_sigma(start.before, start.after)
+        receding = view.receding_sigma(start.before, start.after, per_focal)
         know(path.DEPTH, 0.0, receding)
         self.begin = self._begin(start)
         self.plate_row, self.radius_px = float(self.begin[path.PLATE]), known.radius_px
         high = ~self.near(observed.places)
         by_sizes = drift(observed, start.times_s, high, known)
         told = self._told(count)
-        aslant = math.exp(self.prior[path.ASLANT])
-        kicks = view.receding_by_spin(start.before, start.after, aslant)
+        kicks = view.receding_by_spin(start.before, start.after, per_focal)
         gains = np.hypot(GAIN_SIGMA * by_sizes.of_all_flights(receding), kicks)
         by_friction = (told[1:-1] - (1.0 - GAIN_SHARE) * told[:-2]) / gains[:, None]
         self.drifts = np.vstack([by_sizes.weights @ told, by_friction])
