@@ -13,7 +13,7 @@ from scipy.stats import norm
 
 from analysis.arrays import Floats
 from analysis.balls.flight import path
-from analysis.balls.flight.flights import LEAST_PLACES, Flights, Ints, Observed, Start
+from analysis.balls.flight.flights import LARGE_CHI2, LEAST_PLACES, Flights, Ints, Observed, Start
 from analysis.balls.flight.known import LEVEL_SIGMA, LOOK_SIGMA, Known
 from analysis.balls.flight.problem import Problem
 
@@ -81,9 +81,10 @@ def fit_flights(
         if fitted is not None and again and _ran_off(fitted):
             problem.begin = first
             fitted = min(fitted, _settle(problem, again=False), key=_left)
-        # A fit that a wrong fall holds far from all places leaves none of them.
-        if fitted is None or fitted.contradiction or not fitted.used.any():
-            fitted = _by_fall(problem, again=again, by_sightings=fitted is None)
+        # A fit that a wrong fall holds far from the places shows no contradiction.
+        lost = fitted is None or fitted.chi2_per_dof > LARGE_CHI2 or not fitted.used.any()
+        if fitted is None or fitted.contradiction or lost:
+            fitted = _by_fall(problem, again=again, by_sightings=lost)
         kept = fitted.longest_chain(problem.high(fitted))
         if len(kept) == fitted.bounces + 1:
             return fitted
