@@ -207,13 +207,39 @@ def analyse_shot(
         return _refused(refusal, None, above)
     film = frames, times_s - times_s[0], above
     found = _measured(film, setup, chosen, known, extend=extend)
-    if isinstance(found, MeasuredShot) or known is None or found.tracking is None:
+    if chosen.method == "thesis" or found.tracking is None:
         return found
-    if chosen.method == "thesis" or found.tracking.learned_alone:
+    if isinstance(found, RefusedShot) and known is not None and not found.tracking.learned_alone:
+        # What others have taught may be wrong of this side of a sphere; the film may show more.
+        alone = _measured(film, setup, chosen, None, unlike=found.reason)
+        found = alone if isinstance(alone, MeasuredShot) else found
+    if not (turnless := _turnless(found.tracking)):
         return found
-    # What others have taught may be wrong of this side of a sphere; the film may show it better.
-    alone = _measured(film, setup, chosen, None, unlike=found.reason)
-    return alone if isinstance(alone, MeasuredShot) else found
+    # Markers that tell no turn were learned wrong, and places by them bend a flight.
+    outlined = _measured(film, setup, chosen, known, turnless=turnless)
+    return outlined if _surer(outlined, found) else found
+
+
+MOSTLY = 0.5
+"""Share of a sphere's frames without an orientation beyond which its markers tell no turn."""
+
+
+def _turnless(tracking: Tracking | None) -> str:
+    """Return which sphere's markers leave its turn open in most frames; nothing where none do."""
+    if tracking is None or not any(len(own.frames) for own in tracking.orientations):
+        return ""
+    for name, turned, seen in zip("ab", tracking.orientations, tracking.centres, strict=True):
+        if len(turned.frames) < MOSTLY * len(seen.frames):
+            told = f"{len(turned.frames)} of the {len(seen.frames)} frames"
+            return f"the markers of sphere {name} tell how it is turned in {told} that show it"
+    return ""
+
+
+def _surer(one: MeasuredShot | RefusedShot, other: MeasuredShot | RefusedShot) -> bool:
+    """Whether one way measures the restitution with a smaller error than the other does."""
+    if isinstance(one, RefusedShot) or isinstance(other, RefusedShot):
+        return isinstance(one, MeasuredShot)
+    return one.impact.e.sigma < other.impact.e.sigma
 
 
 def _measured(
@@ -224,6 +250,7 @@ def _measured(
     *,
     extend: bool = False,
     unlike: str = "",
+    turnless: str = "",
 ) -> MeasuredShot | RefusedShot:
     """Measure a film in the stated view.
 
@@ -233,6 +260,8 @@ def _measured(
         Frames, their times from the first, and the row of the whole picture that theirs begin at.
     unlike
         Why a shot is learned by itself where others are known.
+    turnless
+        Why a shot is measured by its outlines alone.
     """
     frames, elapsed_s, above = film
     tracking = None
@@ -241,6 +270,8 @@ def _measured(
             edges, matching = chosen.edges or EdgeSettings(), chosen.matching or "pattern"
             tracking = track_spheres(frames, elapsed_s, setup, edges, matching)
             known = None
+        elif turnless:
+            tracking = _outlined(frames, elapsed_s, setup, turnless)
         else:
             tracking, known = _rendered(
                 frames, elapsed_s, setup, known, extend=extend, unlike=unlike
@@ -299,7 +330,6 @@ def _rendered(
 ) -> tuple[Tracking, Appearance | None]:
     """Return poses by the photometric method; of spheres without markers, places by outlines."""
     # Loading compiled functions is slow; the thesis method needs none of these.
-    from analysis.photometric.follow.first_tracking import track_unmarked  # noqa: PLC0415
     from analysis.photometric.method import measure_poses  # noqa: PLC0415
 
     try:
@@ -307,7 +337,14 @@ def _rendered(
     except ShotRefusedError as refusal:
         if refusal.step != "markers":
             raise
-        return track_unmarked(frames, elapsed_s, setup, refusal.reason), known
+        return _outlined(frames, elapsed_s, setup, refusal.reason), known
+
+
+def _outlined(frames: Grey, elapsed_s: Floats, setup: Setup, reason: str) -> Tracking:
+    """Return places by outlines alone, and why no orientation is known."""
+    from analysis.photometric.follow.first_tracking import track_unmarked  # noqa: PLC0415
+
+    return track_unmarked(frames, elapsed_s, setup, reason)
 
 
 def _odd_times(times_s: Floats, setup: Setup) -> tuple[str, ...]:

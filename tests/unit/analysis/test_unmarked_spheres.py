@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from analysis.campaign import analyse_campaign, read_campaign
+from analysis.imaging.views import View
 from analysis.shot import AnalysisOptions, MeasuredShot
 from simulators.world import WorldDescription, write_campaign
 from simulators.world.description import Sphere
@@ -69,6 +70,20 @@ def test_markers_too_few_for_a_spin_make_outlines_less_sure(tmp_path: Path) -> N
         sure[count] = shot.impact.v_n.sigma
         assert abs(shot.impact.v_n.value - truth["v_n"]) < 4 * sure[count]
     assert sure[3] > 1.5 * sure[0]
+
+
+def test_a_sphere_of_a_third_whose_markers_tell_no_turn_is_measured_by_its_outline(
+    tmp_path: Path,
+) -> None:
+    # Its markers are 3 pixels wide, and it turns by more than that from frame to frame.
+    smallest = replace(Sphere(), diameter_m=INCH_M / 3, marker_radius_rad=0.22)
+    shot, truth = measured(tmp_path / "shot", Sphere(), smallest, 30.0)
+    e, v_n = shot.impact.e, shot.impact.v_n
+    assert "outlines alone, spins are open: the markers of sphere b" in shot.notes[0]
+    assert abs(e.value + truth["v_n_after"] / truth["v_n"]) < min(3 * e.sigma, 0.02)
+    assert abs(v_n.value - truth["v_n"]) < min(3 * v_n.sigma, 0.01 * abs(truth["v_n"]))
+    # Markers that cross a limb of 7 pixels radius shift its circle by a third of a pixel.
+    assert shot.slow.position_m * shot.tracking.scales_px_per_m[View.FRONT] > 0.2
 
 
 def test_the_scale_of_unlike_spheres_comes_from_both_diameters(tmp_path: Path) -> None:

@@ -97,6 +97,9 @@ MOSTLY_TURNED = 0.8
 UNCUT = 2.0
 """Slow error of an outline with the stretches that markers cut, over that of one without them:
 spheres of 10 px radius in one view were off by 0.1 to 0.2 px (trial), 0.05 px is the other."""
+UNCUT_OF_PX = 20.0
+"""Radius from which on that holds. Of a smaller sphere a marker's blurred edge takes a longer
+stretch: one of 7 px radius drifts by 0.3 px in a flight (trial)."""
 LIMB_SCALE_SIGMA = 0.005
 """Light from one side makes a radius 0.3 to 0.8 % too small where no markers contradict it."""
 
@@ -186,7 +189,9 @@ def track_unmarked(frames: Grey, times_s: Floats, setup: Setup, reason: str) -> 
     tracking = tracking_of(moved, seen, setup, settings, bias, least_px=0.0)
     slow_px = _unlike_px(bias)
     if any(_is_marked(own) for own in dark):
+        smallest_px = min(min(own) for own in radii.values())
         cut_px = UNCUT * CENTRE_DRIFT_PER_SIGMA2 * settings.sigma_px**2
+        cut_px *= max(1.0, UNCUT_OF_PX / smallest_px)
         slow_px = float(np.hypot(slow_px, cut_px))
     ratio = scatter_ratio(tracking.centres, times_s, setup.environment.gravity_m_per_s2)
     a, b = (replace(own, sigma=np.sqrt(ratio) * own.sigma) for own in tracking.centres)
