@@ -12,9 +12,9 @@ import math
 import numpy as np
 
 from analysis.balls.flight import path
-from analysis.balls.flight.fit import LEVEL
 from analysis.balls.flight.flights import Flights
 from analysis.balls.flight.known import LEVEL_SIGMA
+from analysis.balls.flight.solving import LEVEL
 
 SOURCES = {
     "scale": (path.FALL,),

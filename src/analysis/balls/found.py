@@ -70,6 +70,12 @@ class Search:
         """Return whether the ball surely bends as the stated diameter says."""
         return not self.contradicts and as_stated(self.chain, self.looks, self.fall)
 
+    @property
+    def bounces_as_stated(self) -> bool:
+        """Return whether it clearly is the ball whose diameter is stated, and bounces."""
+        bounces = len(self.chain.times_s) > 0 and frames_of(self) >= CLEAR_FRAMES
+        return bounces and self.as_stated
+
 
 def best_of(seen: Sequence[Search]) -> Search:
     """Return the ball that flies most surely; of several, the one whose diameter is stated.

@@ -221,7 +221,9 @@ def _measured(
             of_radius = by_radius(placer, (own, motion, row_time), placed)
             looks = looks.leaning(of_radius.shifts)
     if flights is None:
-        looks, placed, scatter = of_one_flight(placer, (windows, motion), placed, looks)
+        looks, placed, scatter = of_one_flight(
+            placer, (windows, motion), placed, (looks, chain.arcs, times_s)
+        )
     else:
         placed, scatter = _placed(looks, (bare, earlier, told_by), flights)
     measured = MeasuredBall(
@@ -335,7 +337,7 @@ def _observed(placed: Placed, times_s: Floats, of_radius: ByRadius | None) -> Ob
     sigmas = np.maximum(placed.sigmas, least)
     plain = Observed(placed.frames, times_s[placed.frames], placed.places, sigmas)
     if of_radius is None:
-        return plain
+        return replace(plain, bare=True)
     own = of_radius.of(placed.frames)
     return replace(plain, leans=own.shifts, sizes=own.sizes)
 

@@ -19,7 +19,6 @@ from analysis.balls.found import (
     Search,
     another,
     best_of,
-    frames_of,
     stated_first,
 )
 from analysis.balls.gaps import Gap, mended
@@ -91,6 +90,7 @@ def search(film: Film, times_s: Floats, ball: Ball, *, complete: bool = False) -
     found: list[tuple[int, Disc]] = []
     seen: list[Search] = []
     refused: ShotRefusedError | None = None
+    best: Search | None = None
     for radii, share in _size_ranges(ground):
         found += find_discs_that_move(samples, ground, noise, radii)
         groups = families(found)[:MOST_FAMILIES]
@@ -101,10 +101,10 @@ def search(film: Film, times_s: Floats, ball: Ball, *, complete: bool = False) -
                 refused = refused or one
                 continue
             seen.append(one)
-        if seen and frames_of(best_of(seen)) >= CLEAR_FRAMES and len(best_of(seen).chain.times_s):
+        best = best_of(seen) if seen else None
+        if best is not None and best.bounces_as_stated:
             break
-    if seen:
-        best = best_of(seen)
+    if best is not None:
         others = tuple((one.chain, True) for one in seen if another(one, best))
         return replace(best, others=(*best.others, *others))
     raise refused or ShotRefusedError(
@@ -209,7 +209,8 @@ def _flights(seen: Sightings, looks: Looks, stated: Floats) -> _Flights | None:
         linked = [each for each in chains(arcs, looks.radius_px, fall) if falls(each, looks, fall)]
         if not linked:
             continue
-        stated_first(linked, looks, fall)
+        if share == 1.0:
+            stated_first(linked, looks, fall)
         chain = flown(flying(linked[0], looks, fall), looks.radius_px)
         frames, alike = agreeing(chain, looks, fall)
         clear = frames >= CLEAR_FRAMES and alike > 1

@@ -12,6 +12,7 @@ from scipy.special import erf
 
 from analysis.arrays import Floats
 from analysis.balls.flight.flights import Flights
+from analysis.balls.seen.arcs import Arc
 from analysis.balls.seen.looks import Looks
 from analysis.balls.seen.placing import Placed, Placer
 from analysis.balls.seen.windows import Motion, Window
@@ -88,7 +89,9 @@ def by_radius(
     moved = _moved(placed.frames, placed.places, wide) - _moved(
         placed.frames, placed.places, narrow
     )
-    shifts = _at_most(moved / (2.0 * RADIUS_STEP), MOST_BY_RADIUS * radius)
+    both = np.isin(placed.frames, np.intersect1d(narrow.frames, wide.frames))
+    moved = np.where(both[:, None], moved, 0.0) / (2.0 * RADIUS_STEP)
+    shifts = _at_most(moved, MOST_BY_RADIUS * radius)
     sizes = _sizes(narrow, placed, wide, placer.blur_px / radius)
     return ByRadius(placed.frames, _smooth(shifts), sizes)
 
@@ -111,7 +114,7 @@ def _sizes(narrow: Placed, placed: Placed, wide: Placed, blur: float) -> Floats:
     with np.errstate(divide="ignore", invalid="ignore"):
         size = blur * np.interp((low - high) / (2.0 * RADIUS_STEP * blur) / curve, BY_PARABOLA, OFF)
         sigma = np.sqrt(2.0 * placed.misfits / curve)
-    shown = (curve > 0.0) & (np.abs(size) < min(MOST_SIZE, MOST_OFF * blur)) & np.isfinite(sigma)
+    shown = (curve > 0.0) & (np.abs(size) < min(MOST_SIZE, MOST_OFF * blur)) & (sigma > 0.0)
     return np.where(shown[:, None], np.column_stack([size, sigma]), np.nan)
 
 
@@ -134,21 +137,32 @@ def _smooth(moved: Floats) -> Floats:
 
 CURVE, STRAIGHT = 5, 3
 """Terms of a flight's rows, which the air and the camera bend, and of its columns."""
+CURVE_ROUNDS, OFF_CURVE = 3, 4.5
+"""Of a curve with places far off it left out; scatters from it on which that is."""
 
 
 def of_one_flight(
-    placer: Placer, seen: tuple[Sequence[Window], Motion], placed: Placed, looks: Looks
+    placer: Placer,
+    seen: tuple[Sequence[Window], Motion],
+    placed: Placed,
+    found: tuple[Looks, Sequence[Arc], Floats],
 ) -> tuple[Looks, Placed, Floats]:
     """Return the looks and places of a ball whose film has no bounce, and the scatter of these.
 
     No flights are fitted, which would tell how far places lie from them: what radius and light of
     the ball do to places is measured all the same, and the scatter is that about a smooth curve.
 
+    Parameters
+    ----------
+    found
+        Its looks, the arcs that it flies, and the times of the film's frames, s.
+
     Returns
     -------
     Looks with the radius's error of a ball that is lit from one side; places with all that is not
     known of them; their standard errors beside one another, px, shape (N, 2).
     """
+    looks, arcs, times_s = found
     if not len(placed.frames):
         return looks, placed, placed.sigmas
     of_radius = by_radius(placer, (*seen, 0.0), placed)
@@ -157,24 +171,38 @@ def of_one_flight(
     by_light = _moved(placed.frames, placed.places, placer.place(*seen))
     by_light = _at_most(by_light, MOST_BY_LIGHT * looks.radius_px)
     by_size = of_radius.shifts * looks.radius_sigma_px / looks.radius_px
-    scatter = placed.sigmas * _about_a_curve(placed)
+    scatter = placed.sigmas.copy()
+    for arc in arcs:
+        own = np.isin(placed.frames, arc.frames)
+        scatter[own] *= _about_a_curve(placed.of(own), times_s)
     whole = np.sqrt(scatter**2 + by_size**2 + by_light**2)
     return looks, replace(placed, sigmas=whole), scatter
 
 
-def _about_a_curve(placed: Placed) -> Floats:
-    """Return by how much places scatter more than stated about a smooth curve, shape (2,)."""
-    larger = np.ones(2)
-    gone = np.interp(placed.frames, (placed.frames[0], placed.frames[-1]), (-1.0, 1.0))
+def _about_a_curve(placed: Placed, times_s: Floats) -> Floats:
+    """Return by how much places scatter more than stated about a smooth curve, shape (N, 2).
+
+    A place far off it is as uncertain as that.
+    """
+    larger = np.ones((len(placed.frames), 2))
+    gone = times_s[placed.frames]
     for axis, terms in enumerate((CURVE, STRAIGHT)):
-        freedom = len(gone) - terms
-        if freedom < 1:
+        if len(gone) <= terms:
             continue
+        design = np.vander(np.interp(gone, (gone[0], gone[-1]), (-1.0, 1.0)), terms)
         weights = 1.0 / placed.sigmas[:, axis]
-        design = np.vander(gone, terms) * weights[:, None]
         scaled = placed.places[:, axis] * weights
-        left = scaled - design @ np.linalg.lstsq(design, scaled, rcond=None)[0]
-        larger[axis] = max(1.0, float(np.sqrt((left**2).sum() / freedom)))
+        left, size, used = scaled, 1.0, np.ones(len(gone), dtype=bool)
+        for _ in range(CURVE_ROUNDS):
+            rows = (design * weights[:, None])[used]
+            left = scaled - weights * (design @ np.linalg.lstsq(rows, scaled[used], rcond=None)[0])
+            freedom = max(1, int(used.sum()) - terms)
+            spread = float(np.median(np.abs(left[used])))
+            size = max(1.0, 1.4826 * spread * (used.sum() / freedom) ** 0.5)
+            used = np.abs(left) < OFF_CURVE * size
+            if used.sum() <= terms:
+                break
+        larger[:, axis] = np.where(used, size, np.maximum(size, np.abs(left)))
     return larger
 
 

@@ -35,6 +35,8 @@ class Observed:
         How much larger the ball is seen in each frame than the radius with which its places were
         fitted, relative, and its standard error; shape (N, 2). Nan, and None for all frames: not
         known.
+    bare
+        Whether places were fitted before the film has taught the ball's light.
     """
 
     frames: Ints
@@ -43,6 +45,7 @@ class Observed:
     sigmas: Floats
     leans: Floats | None = None
     sizes: Floats | None = None
+    bare: bool = False
 
     def of(self, chosen: NDArray[np.bool_]) -> Observed:
         """Return some of them."""
@@ -53,6 +56,7 @@ class Observed:
             self.sigmas[chosen],
             None if self.leans is None else self.leans[chosen],
             None if self.sizes is None else self.sizes[chosen],
+            self.bare,
         )
 
 
@@ -100,6 +104,9 @@ class Flights:
     known_sigmas
         With which each number is known beforehand: 0 where it is held, infinite where nothing is;
         shape (P,).
+    early_s
+        By how much places alone have contacts end before they have begun, where that is clear;
+        else 0.
     drifts
         What the ball's sizes, and friction at bounces, say of drifts along the line of sight, as
         the weights of equations whose errors are 1; shape (M, P).
@@ -132,6 +139,7 @@ class Flights:
     covariance: Floats
     by_rise: Floats
     known_sigmas: Floats
+    early_s: float
     drifts: Floats
     contacts: Floats
     contact_slopes: Floats

@@ -47,8 +47,6 @@ MOST_E = 1.02
 NEARER = 4.0
 """Sum of squared distances from a parabola, over that with a gap, for which this is worth a fit."""
 MOST_TRIED = 6
-MOST_AT_BOUNCE = 3
-"""Frames that are tried at a bounce."""
 WORSE, WORSE_WITH_MORE = 2.0, 3.0
 """Mean square of the residuals, over that without a gap, with which nothing is mended; and where
 the flights then have more bounces, which leave more."""
@@ -254,17 +252,14 @@ def _at_bounces(observed: Observed, start: Start, flights: Flights, period: floa
     odd = any(
         abs(each.time_s) > DOUBTFUL * period and abs(each.pull) > SUSPECT_SIGMAS for each in told
     )
-    stay = float(flights.values[path.STAY])
-    early = stay < -SUSPECT_SIGMAS * flights.known_sigmas[path.STAY]
-    whole = round(-stay / period) if early else 0
+    whole = round(flights.early_s / period)
     for time in start.times_s.tolist():
         after = int(np.searchsorted(observed.times_s, time))
         if not 0 < after < len(observed.frames):
             continue
         frame = int(observed.frames[after])
-        counts = range(1, MOST_AT_BOUNCE + 1)
         if odd or _untold(flights, told, time, period):
-            yield from (Gap(frame, count) for count in counts)
+            yield from (Gap(frame, count) for count in range(1, MOST_LOST + 1))
         # A contact that ends before it has begun.
         if 0 < whole <= MOST_LOST:
             yield Gap(frame, whole)

@@ -184,9 +184,12 @@ def places(
         contacts[k, 3] = away * normal_down - beside * normal_across
         contacts[k, 4] = beside * normal_down + away * normal_across
         contacts[k, 5] = state[1]
-        start[0], start[1] = state[0], state[1]
+        lasts = values[STAY] * _lengthened(contacts[0, 1], contacts[k, 1], values[SHORTENING])
+        # While a contact lasts the ball goes on along the plate, at the mean of its two speeds.
+        along = 0.5 * (state[3] + beside) * lasts
+        start[0], start[1] = state[0] + along * slope, state[1] + along
         start[2], start[3] = -away, beside
-        begun += values[STAY] * _lengthened(contacts[0, 1], contacts[k, 1], values[SHORTENING])
+        begun += lasts
         state[:] = start
         at = begun
         for n in range(len(times)):

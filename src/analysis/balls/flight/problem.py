@@ -52,6 +52,9 @@ LAST_MARGIN = 0.5
 GAIN_SHARE, GAIN_SIGMA = 0.2, 0.12
 """Of a ball's drift along the line of sight: friction takes between nothing and 2/5 of it at a
 bounce of a ball without spin; the middle, and its standard error."""
+BARE_SHARE = 0.02
+"""Of what a ball's drift may be, where its own light is not known yet: what that does to places
+bends flights as drifts do."""
 NEAR_RADII = 1.5
 """Heights over the plate at which a ball lies over its shadow."""
 LOW_RADII = 0.5
@@ -90,6 +93,8 @@ class Problem:
         know(path.ASLANT, *view.aslant(self.scale))
         know(path.OUTLINE, 0.0, known.outline_sigma() if observed.leans is not None else 0.0)
         receding = view.receding_sigma(start.before, start.after, per_focal)
+        if observed.bare:
+            receding *= BARE_SHARE
         know(path.DEPTH, 0.0, receding)
         self.begin = self._begin(start)
         self.plate_row, self.radius_px = float(self.begin[path.PLATE]), known.radius_px

@@ -1,0 +1,95 @@
+"""Least squares of the numbers of a fit of flights, with what is known of them beforehand."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from analysis.arrays import Floats
+from analysis.balls.flight import path
+from analysis.balls.flight.flights import Ints
+from analysis.balls.flight.known import LEVEL_SIGMA
+from analysis.balls.flight.problem import Problem
+
+Chosen = tuple[Ints, NDArray[np.bool_], Floats]
+"""Which flight each place belongs to, whether it counts, and by how much its errors are larger."""
+
+LOOSE, CLOSE = 1e-4, 1e-8
+"""Share of the sum of squares by which a step is the last: while the fit settles, and then."""
+STEP = 1e-5
+"""Of numbers in their units, by which derivatives are taken."""
+SOFT = 2.0
+"""Residuals beyond so many standard errors count less while the fit settles."""
+LEVEL = np.array([path.TILT, path.ROLL])
+"""Their sum is the plate's slope against the horizontal: a camera that is rolled turns both."""
+
+
+def solve(
+    problem: Problem, values: Floats, chosen: Chosen, loose: NDArray[np.bool_], *, soft: bool
+) -> Floats:
+    """Return the numbers that fit the places that count best, of those that are loose.
+
+    Parameters
+    ----------
+    values
+        Where the search begins, shape (P,).
+    soft
+        Whether places far off count less.
+    """
+    arcs, used, enlarge = chosen
+    units = problem.units[loose]
+    known = np.isfinite(problem.prior_sigma) & loose
+    errors = (problem.observed.sigmas * enlarge)[used]
+    drifts = problem.drifts if loose[path.DEPTH] else problem.drifts[:0]
+    straight = np.vstack(
+        [_straight_slopes(problem, known, loose), (drifts * problem.units)[:, loose]]
+    )
+
+    def at(step: Floats) -> Floats:
+        moved = values.copy()
+        moved[loose] += step * units
+        return moved
+
+    def seen(moved: Floats) -> Floats:
+        return np.asarray((problem.predict(moved, arcs)[0][used, :2] / errors).ravel())
+
+    own = (problem.observed.places[used] / errors).ravel()
+
+    def residuals(step: Floats) -> Floats:
+        moved = at(step)
+        prior = (moved[known] - problem.prior[known]) / problem.prior_sigma[known]
+        level = moved[LEVEL].sum(keepdims=True) / LEVEL_SIGMA if loose[LEVEL].all() else prior[:0]
+        apart = drifts @ moved - problem.drifts_target[: len(drifts)]
+        every = np.concatenate([own - seen(moved), prior, level, apart])
+        return np.asarray(np.nan_to_num(every, nan=1e6, posinf=1e6, neginf=-1e6))
+
+    def slopes(step: Floats) -> Floats:
+        here = seen(at(step))
+        moved = [seen(at(step + STEP * one)) for one in np.eye(len(units))]
+        return np.vstack([np.nan_to_num((here - np.array(moved)) / STEP).T, straight])
+
+    loss: Literal["soft_l1", "linear"] = "soft_l1" if soft else "linear"
+    solved = least_squares(
+        residuals,
+        np.zeros(len(units)),
+        jac=slopes,
+        loss=loss,
+        f_scale=SOFT,
+        max_nfev=60,
+        ftol=LOOSE if soft else CLOSE,
+    )
+    return at(solved.x)
+
+
+def _straight_slopes(
+    problem: Problem, known: NDArray[np.bool_], loose: NDArray[np.bool_]
+) -> Floats:
+    """Return derivatives of what is known beforehand to the numbers that are fitted, in units."""
+    each = np.zeros((int(known.sum()), len(loose)))
+    each[:, known] = np.diag(problem.units[known] / problem.prior_sigma[known])
+    level = np.zeros((1, len(loose)))
+    level[0, LEVEL] = problem.units[LEVEL] / LEVEL_SIGMA
+    return np.vstack([each, level] if loose[LEVEL].all() else [each])[:, loose]
