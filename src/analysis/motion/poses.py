@@ -13,6 +13,8 @@ from analysis.imaging.views import View, ViewGeometry
 
 LEAST_SIGMA_PX = 0.02
 """No outline is better than its model: markers and shading move it by about this much."""
+CONSTANT_Z_SIGMA_M = 1e-6
+"""Of a coordinate that is none, so that a fit leaves it where it is."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,6 +33,12 @@ class Centres:
     frames: NDArray[np.intp]
     position: Floats
     sigma: Floats
+
+    def without_depth(self) -> Centres:
+        """Return the places as a front view alone gives them, Z constant."""
+        position, sigma = self.position.copy(), self.sigma.copy()
+        position[:, 2], sigma[:, 2] = 0.0, CONSTANT_Z_SIGMA_M
+        return Centres(self.frames, position, sigma)
 
 
 def centres(
@@ -57,7 +65,7 @@ def centres(
     geometry = {g.view: g for g in views}
     front = sphere, discs.views.index(View.FRONT)
     frames = np.flatnonzero(discs.found[front])
-    position, sigma = np.zeros((len(frames), 3)), np.full((len(frames), 3), 1e-6)
+    position, sigma = np.zeros((len(frames), 3)), np.full((len(frames), 3), CONSTANT_Z_SIGMA_M)
     scale = scales_px_per_m[View.FRONT]
     position[:, :2] = (discs.circles[front][frames, :2] - geometry[View.FRONT].origin) / scale
     sigma[:, :2] = centre_sigmas(discs, front, *widths_px)[frames] / scale

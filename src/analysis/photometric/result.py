@@ -17,7 +17,7 @@ from analysis.imaging.views import View
 from analysis.motion.cutting import cut_tears, notes_of, refuse_jumps
 from analysis.motion.drift import CENTRE_DRIFT_PER_SIGMA2
 from analysis.motion.pattern import Orientations
-from analysis.motion.poses import Centres
+from analysis.motion.poses import CONSTANT_Z_SIGMA_M, Centres
 from analysis.photometric.birge_ratio import birge_ratios
 from analysis.photometric.follow.film import Film
 from analysis.photometric.learn.appearance import Appearance
@@ -81,7 +81,6 @@ Names = NDArray[np.intp]
 LEAST_FACING = 0.4
 MOST_PLACE, MOST_TURN_RAD = 0.2, 0.1
 """Errors, in radii and radians, beyond which a coordinate or a turn counts as not measured."""
-CONSTANT_Z_SIGMA_M = 1e-6
 ORDINARY_LIMB_PX = 0.025
 """In even light outline and markers differ by up to this much and no track shows it: shadows are
 beyond it now and then, gloss is by ten times. What is beyond adds to both slow errors."""

@@ -19,11 +19,25 @@ PLAIN = replace(Sphere(), markers=0)
 
 
 def measured(
-    folder: Path, a: Sphere, b: Sphere, pressure_kpa: float, *, state_scale: bool = True
+    folder: Path,
+    a: Sphere,
+    b: Sphere,
+    pressure_kpa: float,
+    *,
+    state_scale: bool = True,
+    pressure_b_kpa: float | None = None,
+    offset_mm: float = 4.0,
 ) -> tuple[MeasuredShot, dict[str, float]]:
     world = WorldDescription(sphere_a=a, sphere_b=b)
     write_campaign(
-        folder, [pressure_kpa], [4.0], 5, description=world, frames=24, state_scale=state_scale
+        folder,
+        [pressure_kpa],
+        [offset_mm],
+        5,
+        pressures_b_kpa=[pressure_kpa if pressure_b_kpa is None else pressure_b_kpa],
+        description=world,
+        frames=24,
+        state_scale=state_scale,
     )
     options = AnalysisOptions()
     ((_, shot, _),) = analyse_campaign(read_campaign(folder), options, workers=1)
@@ -84,6 +98,20 @@ def test_a_sphere_of_a_third_whose_markers_tell_no_turn_is_measured_by_its_outli
     assert abs(v_n.value - truth["v_n"]) < min(3 * v_n.sigma, 0.01 * abs(truth["v_n"]))
     # Markers that cross a limb of 7 pixels radius shift its circle by a third of a pixel.
     assert shot.slow.position_m * shot.tracking.scales_px_per_m[View.FRONT] > 0.2
+
+
+def test_a_small_sphere_that_the_mirror_does_not_show_after_contact_is_measured_without_heights(
+    tmp_path: Path,
+) -> None:
+    # Met far off its middle, the small one flies on beneath the large one, which hides it.
+    small = replace(PLAIN, diameter_m=INCH_M / 3)
+    shot, truth = measured(
+        tmp_path / "shot", PLAIN, small, 55.0, pressure_b_kpa=7.6, offset_mm=11.0
+    )
+    e, v_n = shot.impact.e, shot.impact.v_n
+    assert "no heights, as before one view: the top view shows sphere b in 0" in str(shot.notes)
+    assert abs(e.value + truth["v_n_after"] / truth["v_n"]) < min(4 * e.sigma, 0.02)
+    assert abs(v_n.value - truth["v_n"]) < min(4 * v_n.sigma, 0.01 * abs(truth["v_n"]))
 
 
 def test_the_scale_of_unlike_spheres_comes_from_both_diameters(tmp_path: Path) -> None:

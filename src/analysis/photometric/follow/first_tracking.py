@@ -25,7 +25,9 @@ from analysis.imaging.radii import FilterBias, filter_bias, shared_radii
 from analysis.imaging.views import View, view_geometries
 from analysis.motion.drift import CENTRE_DRIFT_PER_SIGMA2
 from analysis.motion.pattern import Orientations
+from analysis.motion.poses import Centres
 from analysis.motion.sightings import markers_by_darkness
+from analysis.motion.split import split_at_contact
 from analysis.photometric.birge_ratio import scatter_ratio
 from analysis.setup import Setup
 from analysis.tracking import (
@@ -97,6 +99,8 @@ MOSTLY_TURNED = 0.8
 UNCUT = 2.0
 """Slow error of an outline with the stretches that markers cut, over that of one without them:
 spheres of 10 px radius in one view were off by 0.1 to 0.2 px (trial), 0.05 px is the other."""
+LEAST_HEIGHTS = 2
+"""Frames of a flight with a height, for its velocity along the mirror's rows."""
 UNCUT_OF_PX = 20.0
 """Radius from which on that holds. Of a smaller sphere a marker's blurred edge takes a longer
 stretch: one of 7 px radius drifts by 0.3 px in a flight (trial)."""
@@ -187,21 +191,49 @@ def track_unmarked(frames: Grey, times_s: Floats, setup: Setup, reason: str) -> 
     moved = replace(refined, circles=refined.circles.copy())
     moved.circles[..., :2] -= bias.place[:, :, None]
     tracking = tracking_of(moved, seen, setup, settings, bias, least_px=0.0)
+    gravity = setup.environment.gravity_m_per_s2
+    heights = _hidden_heights(tracking.centres, times_s, gravity)
+    if heights:
+        a, b = (own.without_depth() for own in tracking.centres)
+        tracking = replace(tracking, centres=(a, b))
     slow_px = _unlike_px(bias)
     if any(_is_marked(own) for own in dark):
         smallest_px = min(min(own) for own in radii.values())
         cut_px = UNCUT * CENTRE_DRIFT_PER_SIGMA2 * settings.sigma_px**2
         cut_px *= max(1.0, UNCUT_OF_PX / smallest_px)
         slow_px = float(np.hypot(slow_px, cut_px))
-    ratio = scatter_ratio(tracking.centres, times_s, setup.environment.gravity_m_per_s2)
+    ratio = scatter_ratio(tracking.centres, times_s, gravity)
     a, b = (replace(own, sigma=np.sqrt(ratio) * own.sigma) for own in tracking.centres)
     return replace(
         tracking,
         centres=(a, b),
         filter_sigma_px=float(np.sqrt(slow_px / CENTRE_DRIFT_PER_SIGMA2)),
-        notes=(f"measured by outlines alone, spins are open: {reason}",),
+        notes=(f"measured by outlines alone, spins are open: {reason}", *heights),
         scale_sigma=tracking.scale_sigma and LIMB_SCALE_SIGMA,
     )
+
+
+def _hidden_heights(
+    centres: tuple[Centres, Centres], times_s: Floats, gravity: float
+) -> tuple[str, ...]:
+    """Return a note where a sphere's height is not seen on a side of the contact, else nothing.
+
+    A small sphere may fly before the large one, or behind it, in all of the mirror's frames.
+    """
+    try:
+        split = split_at_contact(*centres, times_s, gravity)
+    except ShotRefusedError:
+        return ()
+    for name, own in zip("ab", centres, strict=True):
+        after = own.frames >= split
+        for when, side in (("before", ~after), ("after", after)):
+            shown = int(np.isfinite(own.sigma[side, 2]).sum())
+            if shown < LEAST_HEIGHTS <= int(side.sum()):
+                told = (
+                    f"sphere {name} in {shown} of the {int(side.sum())} frames {when} the contact"
+                )
+                return (f"no heights, as before one view: the top view shows {told}",)
+    return ()
 
 
 def _is_marked(seen: FilmMarkers) -> bool:
