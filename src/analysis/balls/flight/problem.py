@@ -52,6 +52,8 @@ LAST_MARGIN = 0.5
 GAIN_SHARE, GAIN_SIGMA = 0.2, 0.12
 """Of a ball's drift along the line of sight: friction takes between nothing and 2/5 of it at a
 bounce of a ball without spin; the middle, and its standard error."""
+FURTHEST_UNITS = 1e4
+"""From where a fit begins to what is far beyond belief: a hundred times a speed."""
 BARE_SHARE = 0.02
 """Of what a ball's drift may be, where its own light is not known yet: what that does to places
 bends flights as drifts do."""
@@ -108,6 +110,10 @@ class Problem:
         self.drifts_target = np.concatenate([by_sizes.target, np.zeros(self.bounces)])
         self.units = self._units()
         self.units[path.COMMON + 2 :: path.EACH] = gains
+        # What no place that counts depends on would run away.
+        unknown = np.isinf(self.prior_sigma)
+        self.prior[unknown] = self.begin[unknown]
+        self.prior_sigma[unknown] = FURTHEST_UNITS * self.units[unknown]
         self.free = self.prior_sigma > 0
         self.exposure = view.exposure_s
 
