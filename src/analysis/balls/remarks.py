@@ -12,7 +12,7 @@ from analysis.arrays import Floats
 from analysis.balls.films.film import FilmHead
 from analysis.balls.flight import path
 from analysis.balls.flight.flights import LARGE_CHI2, LEAST_PLACES, MOST_LEFT_OUT, Flights
-from analysis.balls.flight.lost import MOST_E
+from analysis.balls.flight.lost import MOST_E, MOST_SCATTER_PX
 from analysis.balls.gaps import frame_at, period_of
 from analysis.balls.measuring import MeasuredBall, coefficient
 from analysis.balls.seen.arcs import Arc, Chain
@@ -31,8 +31,6 @@ CONTACT_FRAMES = 0.6
 """Frames beside a contact, and half the exposure, in which places may show part of it."""
 FEW_GAPS = 2
 """Places at which a film lacks frames whose rate holds."""
-MOST_SCATTER_PX = 1.0
-"""Of places about flights: more is no error of a place."""
 SHOWN = 12
 """Frames that a sentence lists."""
 

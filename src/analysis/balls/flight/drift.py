@@ -49,9 +49,15 @@ class Drift:
     target: Floats
 
     def of_all_flights(self, sigma: float) -> float:
-        """Return the root mean square of one rate for all flights that is drawn with this sigma."""
+        """Return how large the drift is, as one rate for all flights, root mean square.
+
+        Parameters
+        ----------
+        sigma
+            Standard error of that rate before sizes are known, distances of the camera a second.
+        """
         own = self.weights[:, :-1].sum(axis=1)
-        # The perspective may be what it likes: its part of the equations is taken out.
+        # The perspective is not known here: its part of the equations is taken out.
         other = self.weights[:, -1]
         share = float(other @ other)
         if share > 0.0:
@@ -106,9 +112,11 @@ def drift(observed: Observed, bounces_s: Floats, clear: NDArray[np.bool_], known
 
 
 def _design(times: Floats, places: Floats, bounces_s: Floats) -> Floats:
-    """Return derivatives of sizes to what is told of, and to what else changes them, (N, B + 7).
+    """Return derivatives of sizes to each unknown, shape (N, B + 7).
 
-    Lengths are radii, the perspective that of one.
+    The unknowns: the rate of each flight and the perspective of one radius, which are wanted; the
+    size itself, what a wide lens adds aslant, what light adds along rows and columns, and what a
+    codec adds over the film. Lengths are radii.
     """
     ends = [-FOREVER_S, *bounces_s, FOREVER_S]
     spent = [

@@ -102,8 +102,8 @@ class Flights:
         By how much the numbers change with one standard error of the speed at which what drifts
         away from the camera seems to rise, beyond the covariance; shape (P,).
     known_sigmas
-        With which each number is known beforehand: 0 where it is held, infinite where nothing is;
-        shape (P,).
+        With which each number is known beforehand: 0 where it is held, very large where nothing is
+        known; shape (P,).
     early_s
         By how much places alone have contacts end before they have begun, where that is clear;
         else 0.

@@ -26,8 +26,9 @@ BARREL_SIGMA = 0.01
 LOOK_SIGMA = 0.1
 """rad, of a camera's line of sight against the plane of the flight."""
 NEAREST_M, VIEWS_AWAY, AWAY_SPREAD = 0.4, 1.6, 0.8
-"""A camera stands that far off, and so many times the larger side of what it sees, where that is
-little with a long lens and where it is much; the spread of the distance's logarithm."""
+"""Distance of a camera, where no focal length is stated: NEAREST_M plus VIEWS_AWAY times the larger
+side of the field of view. That fits a long lens before a bench and a telephone before a room. And
+the spread of the distance's logarithm."""
 DRIFT_SHARE = 0.02
 """Of a dropped ball's speed: how much of it is sideways at least."""
 FRICTION_LEAVES = 3.0 / 5.0
@@ -144,8 +145,13 @@ class View:
     def aslant(self, scale_px_per_m: float) -> tuple[float, float]:
         """Return the logarithm of the squared larger side over the focal length, and its error.
 
-        The side of what is seen over the camera's distance is the same. A focal length that nobody
-        states is between a telephone's before a room and a long lens' before a bench.
+        Without a stated focal length it follows from the field of view over the camera's distance,
+        which is the same ratio.
+
+        Parameters
+        ----------
+        scale_px_per_m
+            Of the picture, by the ball's diameter.
         """
         side = max(self.height, self.width)
         if self.focal_px is not None:

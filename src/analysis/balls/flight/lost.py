@@ -41,7 +41,7 @@ DOUBT_GAIN = 25.0
 LOST_FRAMES = 2.0
 """From a bounce that was seen to the contact that was fitted."""
 MOST_SCATTER_PX = 1.0
-"""Of rows about flights with more bounces, whose times are right."""
+"""Of rows about flights: more is no error of places, but of the times."""
 MOST_E = 1.02
 """No ball leaves a plate at rest faster than it came."""
 NEARER = 4.0
@@ -290,10 +290,10 @@ def _speeds(flights: Flights) -> Floats:
 def _gain(flights: Flights, fitted: Flights) -> float:
     """Return by how much nearer places lie to fitted flights than to others, squared, in errors.
 
-    Of places to which both were fitted; far ones count no more than FARTHEST. Errors are those of
-    the fitted flights, once of each place and once the same for all: over its shadow at the plate a
-    ball has errors of its own, by which nothing is told of the places there; elsewhere they are all
-    that tells.
+    Of places to which both were fitted; far ones count no more than FARTHEST. The errors are those
+    of the fitted flights, and the sum is formed twice, the larger counts: once with each place's
+    own error, and once with the median of all. Near the plate, where a ball lies over its shadow,
+    errors are wide, and with them the places there would count for nothing.
     """
     here, there = flights.observed.frames, fitted.observed.frames
     _, own, theirs = np.intersect1d(here, there, return_indices=True)

@@ -106,8 +106,8 @@ EXACT_PX, OF_NOISE, OF_LIGHT, OF_SLOPE, OF_BLOTCH = 0.01, 0.76, 0.2, 0.8, 0.3
 the step), and of the largest change of light in the frames about, those by which drawn films are
 off (python -m benchmarks.balls.turning)."""
 BLOTCH_FRAMES, MOST_CHANGE = 15, 2.0
-"""To each side, in which a blotch may be at the rim before and after it is told, and the largest
-change of light that counts."""
+"""Frames before and after one in which the light of a sector of the rim is compared, as a blotch
+there lasts; and the largest change of that light, in steps: larger ones count as that."""
 LEAST_STEP = 0.3
 """In noise: what is added to a step that light is measured by."""
 FREEDOM = 3.0
