@@ -22,9 +22,9 @@ from analysis.balls.found import (
     stated_first,
 )
 from analysis.balls.gaps import Gap, mended
-from analysis.balls.seen.arcs import Chain, Sightings, chains, find_arcs, joined
+from analysis.balls.seen.arcs import Arc, Chain, Sightings, chains, find_arcs, joined
 from analysis.balls.seen.background import Brightness, background, evened, some_pixels
-from analysis.balls.seen.free_fall import STEADY_RADII, agreeing, falls, flown, flying
+from analysis.balls.seen.free_fall import STEADY_RADII, agreeing, as_stated, falls, flown, flying
 from analysis.balls.seen.jumps import jumps
 from analysis.balls.seen.looks import (
     LEAST_RADIUS_PX,
@@ -201,22 +201,35 @@ def _flights(seen: Sightings, looks: Looks, stated: Floats) -> _Flights | None:
     Where few flights bend as the stated diameter says, other falls are tried: a person may have
     stated a radius, or another rate. Only flights that bend alike on both sides of a bounce count.
     """
-    best: tuple[list[Chain], Chain, Floats] | None = None
+    best: _Flights | None = None
     most = 0
     for share in FALLS:
         fall = share * stated
         arcs = joined(find_arcs(seen, looks.radius_px, fall), looks.radius_px, fall, seen.shape)
-        linked = [each for each in chains(arcs, looks.radius_px, fall) if falls(each, looks, fall)]
-        if not linked:
+        flights = _linked(arcs, looks, fall, stated)
+        if flights is not None and share != 1.0 and as_stated(flights[1], looks, stated):
+            # A larger fall follows a ball over lower bounces, though it bends as stated.
+            flights = _linked(arcs, looks, stated, stated) or flights
+        if flights is None:
             continue
-        if share == 1.0:
-            stated_first(linked, looks, fall)
-        chain = flown(flying(linked[0], looks, fall), looks.radius_px)
-        frames, alike = agreeing(chain, looks, fall)
+        frames, alike = agreeing(flights[1], looks, flights[2])
         clear = frames >= CLEAR_FRAMES and alike > 1
         if (share == 1.0 or clear) and (best is None or frames > MUCH_MORE * most):
-            best, most = (linked, chain, fall), frames
+            best, most = flights, frames
     return best
+
+
+def _linked(arcs: Sequence[Arc], looks: Looks, fall: Floats, stated: Floats) -> _Flights | None:
+    """Return chains of arcs that fall, the part of the strongest that the ball flies, and its fall.
+
+    None where no chain falls.
+    """
+    linked = [each for each in chains(arcs, looks.radius_px, fall) if falls(each, looks, fall)]
+    if not linked:
+        return None
+    if np.array_equal(fall, stated):
+        stated_first(linked, looks, fall)
+    return linked, flown(flying(linked[0], looks, fall), looks.radius_px), fall
 
 
 def _evened(samples: dict[int, Picture], head: FilmHead) -> tuple[dict[int, Picture], Picture]:

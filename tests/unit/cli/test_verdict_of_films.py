@@ -5,9 +5,11 @@ Ball, air and restitution are drawn by a law that the analysis does not see.
 
 from __future__ import annotations
 
+import io
 import json
 import math
 import re
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -53,8 +55,17 @@ def places_of_fall(height_px: float, drift_px: float) -> tuple[list[float], list
     return rows, columns
 
 
+def printed(arguments: list[str]) -> Any:
+    """Return the document that a command prints."""
+    with pytest.MonkeyPatch.context() as patch, io.StringIO() as file:
+        patch.setattr("sys.stdout", file)
+        assert cli.run([*arguments, "--json"]) == 0
+        return json.loads(file.getvalue())
+
+
 @pytest.fixture(scope="module")
-def verdict(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+def campaign(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Any]:
+    """Folder of a campaign of three films, and what their analysis printed."""
     folder = tmp_path_factory.mktemp("films")
     films = []
     for number, height in enumerate((170.0, 110.0, 60.0), start=1):
@@ -63,12 +74,24 @@ def verdict(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     ball = ["--ball-diameter-mm", f"{DIAMETER_MM:.3f}", "--ball-mass-g", f"{MASS_G}"]
     camera = ["--fps", f"{RATE:g}", "--exposure-us", "0"]
     out = folder / "campaign"
-    assert cli.run(["analyse", *films, *ball, *camera, "--out", str(out)]) == 0
-    found = folder / "verdict.json"
-    with pytest.MonkeyPatch.context() as patch, found.open("w") as file:
-        patch.setattr("sys.stdout", file)
-        assert cli.run(["model", "explain", str(out), "--json"]) == 0
-    return dict(json.loads(found.read_text()))
+    return out, printed(["analyse", *films, *ball, *camera, "--out", str(out)])
+
+
+@pytest.fixture(scope="module")
+def verdict(campaign: tuple[Path, Any]) -> dict[str, Any]:
+    return dict(printed(["model", "explain", str(campaign[0])]))
+
+
+@pytest.mark.long
+@pytest.mark.timeout(600)
+def test_each_bounce_of_a_film_is_measured_however_low_it_is(campaign: tuple[Path, Any]) -> None:
+    shots = campaign[1]["shots"]
+    bounces = [shot["impacts"] for shot in shots]
+    # Those whose next bounce is still on the film.
+    assert [len(each) for each in bounces] == [3, 4, 6]
+    for impact in (one for each in bounces for one in each):
+        e, speed = impact["e"], abs(impact["v_n"]["value"])
+        assert abs(e["value"] - restitution(speed)) < 4 * e["sigma"]
 
 
 @pytest.mark.long

@@ -50,6 +50,9 @@ MOST_TRIED = 6
 WORSE, WORSE_WITH_MORE = 2.0, 3.0
 """Mean square of the residuals, over that without a gap, with which nothing is mended; and where
 the flights then have more bounces, which leave more."""
+LEAST_KEPT = 0.5
+"""Of the places to which flights were fitted: a fit with mended times that goes through fewer is
+one of other bounces."""
 FARTHEST = 12.0
 """Errors from which on a place counts no more than one that lies so far."""
 SPEED_STEP = 1e-3
@@ -108,7 +111,7 @@ def find_gap(observed: Observed, start: Start, known: Known, flights: Flights) -
         later = start.times_s > observed.times_s[late].min() - 0.5 * period
         begun = replace(start, times_s=start.times_s + later * gap.count * period)
         fitted = fit_flights(replace(observed, times_s=times), begun, known)
-        if fitted is None or fitted.bounces < flights.bounces:
+        if fitted is None or fitted.bounces < flights.bounces or _elsewhere(flights, fitted):
             continue
         gain = _gain(flights, fitted)
         worse = fitted.chi2_per_dof / flights.chi2_per_dof
@@ -285,6 +288,12 @@ def _speeds(flights: Flights) -> Floats:
     step = SPEED_STEP * float(np.median(np.diff(flights.observed.times_s)))
     ahead, behind = (flights.at(times + own, flights.arcs)[:, :2] for own in (step, -step))
     return np.asarray((ahead - behind) / (2 * step))
+
+
+def _elsewhere(flights: Flights, fitted: Flights) -> bool:
+    """Return whether a fit left out most places of the flights, of which it then says nothing."""
+    kept = np.isin(flights.observed.frames, fitted.observed.frames)
+    return float(kept.mean()) < LEAST_KEPT
 
 
 def _gain(flights: Flights, fitted: Flights) -> float:

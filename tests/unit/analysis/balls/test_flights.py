@@ -290,6 +290,17 @@ def test_no_frames_are_missing_from_a_film_that_is_whole() -> None:
     assert unsure_e(flights) == pytest.approx(0.0)
 
 
+def test_a_fit_of_other_bounces_does_not_say_that_frames_are_missing_from_these() -> None:
+    whole = parabolas(np.random.default_rng(12))
+    between = 0.5 * (BOUNCES[0][0] + BOUNCES[1][0])
+    early, late = whole.of(whole.times_s < between), whole.of(whole.times_s >= between)
+    flights = fit_flights(early, start(BOUNCES[:1]), known())
+    assert flights is not None
+    begun = start(BOUNCES[1:])
+    begun = replace(begun, times_s=begun.times_s + 0.01)
+    assert find_gap(late, begun, known(), flights).gap is None
+
+
 LASTS_S, FIRST = 2e-4, 1.5
 
 
