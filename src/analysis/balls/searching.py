@@ -202,20 +202,21 @@ def _flights(seen: Sightings, looks: Looks, stated: Floats) -> _Flights | None:
     stated a radius, or another rate. Only flights that bend alike on both sides of a bounce count.
     """
     best: _Flights | None = None
+    own: list[Arc] = []
     most = 0
     for share in FALLS:
         fall = share * stated
         arcs = joined(find_arcs(seen, looks.radius_px, fall), looks.radius_px, fall, seen.shape)
         flights = _linked(arcs, looks, fall, stated)
-        if flights is not None and share != 1.0 and as_stated(flights[1], looks, stated):
-            # A larger fall follows a ball over lower bounces, though it bends as stated.
-            flights = _linked(arcs, looks, stated, stated) or flights
         if flights is None:
             continue
-        frames, alike = agreeing(flights[1], looks, flights[2])
+        frames, alike = agreeing(flights[1], looks, fall)
         clear = frames >= CLEAR_FRAMES and alike > 1
         if (share == 1.0 or clear) and (best is None or frames > MUCH_MORE * most):
-            best, most = flights, frames
+            best, own, most = flights, arcs, frames
+    if best is not None and best[2][0] != stated[0] and as_stated(best[1], looks, stated):
+        # A larger fall follows a ball over lower bounces, though it bends as stated.
+        best = _linked(own, looks, stated, stated) or best
     return best
 
 

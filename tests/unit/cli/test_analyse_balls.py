@@ -12,7 +12,7 @@ import pytest
 from analysis.exchange.pose_table import read_poses
 from analysis.model.data.gather import gather
 from analysis.model.data.poses import PoseData
-from benchmarks.balls.missing import of_folder, told
+from benchmarks.balls.missing import films, of_folder, told
 from rigctl import cli
 from tests.unit.cli.falling_ball import (
     DIAMETER_MM,
@@ -287,3 +287,11 @@ def test_no_e_of_a_telephone_film_that_lacks_frames_at_a_bounce_is_wrong_in_sile
     assert found.outcome in ("mended", "said", "harmless", "fewer bounces")
     assert found.pull < 3.0
     assert found.bounces >= 4
+
+
+@pytest.mark.long
+def test_low_bounces_of_a_telephone_film_are_not_cut_out_of_its_flights(tmp_path: Path) -> None:
+    """Of a fall of twice the stated one, the same sightings make a bounce every six frames."""
+    found = told(next(films(["telephone"], range(3, 4), tmp_path)))
+    assert found.outcome == "harmless"
+    assert found.bounces == 3

@@ -53,6 +53,11 @@ the flights then have more bounces, which leave more."""
 LEAST_KEPT = 0.5
 """Of the places to which flights were fitted: a fit with mended times that goes through fewer is
 one of other bounces."""
+MOST_COST = 0.02
+"""Of what mended times gain at places that flights left out: by how much the rest may lie worse."""
+NEAR_BY, MOST_CHANCE = 3.0, 0.02
+"""Errors within which mended times bring a place to its flight, and the chance, over how far they
+lay off, that all do that others left out."""
 FARTHEST = 12.0
 """Errors from which on a place counts no more than one that lies so far."""
 SPEED_STEP = 1e-3
@@ -299,20 +304,29 @@ def _elsewhere(flights: Flights, fitted: Flights) -> bool:
 def _gain(flights: Flights, fitted: Flights) -> float:
     """Return by how much nearer places lie to fitted flights than to others, squared, in errors.
 
-    Of places to which both were fitted; far ones count no more than FARTHEST. The errors are those
-    of the fitted flights, and the sum is formed twice, the larger counts: once with each place's
-    own error, and once with the median of all. Near the plate, where a ball lies over its shadow,
-    errors are wide, and with them the places there would count for nothing.
+    Of places that one of both goes through; far ones count no more than FARTHEST. What it gains at
+    places that the others leave out does not count where it costs those that both go through, or
+    where any time may be right for so few: over a shadow single places lie off by themselves.
+
+    The errors are those of the fitted flights, and the sum is formed twice, the larger counts: once
+    with each place's own error, and once with the median of all. Near the plate, where a ball lies
+    over its shadow, errors are wide, and with them the places there would count for nothing.
     """
     here, there = flights.observed.frames, fitted.observed.frames
     _, own, theirs = np.intersect1d(here, there, return_indices=True)
     each = (fitted.observed.sigmas * fitted.sigma_scale)[theirs]
     left, better = np.abs(flights.residuals[own]), np.abs(fitted.residuals[theirs])
-    gains = [
-        np.minimum(left / errors, FARTHEST) ** 2 - np.minimum(better / errors, FARTHEST) ** 2
-        for errors in (each, np.median(each, axis=0))
-    ]
-    return max(float(gain.sum()) for gain in gains)
+    before, after = flights.used[own], fitted.used[theirs]
+    most = 0.0
+    for errors in (each, np.median(each, axis=0)):
+        far, near = left / errors, better / errors
+        gain = np.minimum(far, FARTHEST) ** 2 - np.minimum(near, FARTHEST) ** 2
+        shared = float(gain[before & after].sum())
+        alone = float(gain[before ^ after].sum())
+        chance = np.minimum(1.0, NEAR_BY / far[after & ~before].max(axis=1)).prod()
+        if shared >= -MOST_COST * alone:
+            most = max(most, shared + (alone if chance < MOST_CHANCE else 0.0))
+    return most
 
 
 def contradicted(fitted: Flights, gaps: Iterable[Gap]) -> bool:

@@ -290,6 +290,23 @@ def test_no_frames_are_missing_from_a_film_that_is_whole() -> None:
     assert unsure_e(flights) == pytest.approx(0.0)
 
 
+@pytest.mark.parametrize(
+    ("seed", "noise", "bounce", "beside", "steps"),
+    [(58, 0.6, 0, 1, 1.18), (30, 0.3, 1, 1, 1.02), (5, 0.3, 1, -1, 1.11), (59, 0.6, 0, 1, 1.89)],
+)
+def test_one_place_that_lies_off_beside_a_bounce_does_not_say_that_frames_are_missing(
+    seed: int, noise: float, bounce: int, beside: int, steps: float
+) -> None:
+    """By about as much as the ball goes on in a frame or two, as over a shadow."""
+    whole = parabolas(np.random.default_rng(seed), noise=noise)
+    places, (time, _, up) = whole.places.copy(), BOUNCES[bounce]
+    places[int(np.searchsorted(whole.times_s, time)) + beside, 0] += steps * SCALE * up / RATE
+    off = replace(whole, places=places, sigmas=np.full(places.shape, noise))
+    flights = fit_flights(off, start(), known())
+    assert flights is not None
+    assert find_gap(off, start(), known(), flights).gap is None
+
+
 def test_a_fit_of_other_bounces_does_not_say_that_frames_are_missing_from_these() -> None:
     whole = parabolas(np.random.default_rng(12))
     between = 0.5 * (BOUNCES[0][0] + BOUNCES[1][0])
