@@ -31,7 +31,12 @@ OPEN = 10.0
 
 
 def fit_flights(
-    observed: Observed, start: Start, known: Known, before: Flights | None = None
+    observed: Observed,
+    start: Start,
+    known: Known,
+    before: Flights | None = None,
+    *,
+    other_falls: bool = True,
 ) -> Flights | None:
     """Fit all flights and bounces of a film.
 
@@ -47,6 +52,9 @@ def fit_flights(
         Of the bounces.
     before
         A fit of nearly the same places, to go on from.
+    other_falls
+        Whether flights that end far from the places are sought with other falls too. With times
+        that are only tried none fits, and that costs most of the work.
 
     Returns
     -------
@@ -63,7 +71,8 @@ def fit_flights(
             problem.begin = first
             fitted = min(fitted, _settle(problem, again=False), key=_left)
         # A fit that a wrong fall holds far from the places shows no contradiction.
-        if fitted is None or fitted.contradiction or _astray(fitted):
+        lost = fitted is not None and _astray(fitted)
+        if fitted is None or (lost and other_falls) or (fitted.contradiction and not lost):
             fitted = _by_fall(problem, again=again)
         kept = fitted.longest_chain(problem.high(fitted))
         if len(kept) == fitted.bounces + 1:

@@ -115,7 +115,7 @@ def find_gap(observed: Observed, start: Start, known: Known, flights: Flights) -
         times = observed.times_s + late * gap.count * period
         later = start.times_s > observed.times_s[late].min() - 0.5 * period
         begun = replace(start, times_s=start.times_s + later * gap.count * period)
-        fitted = fit_flights(replace(observed, times_s=times), begun, known)
+        fitted = fit_flights(replace(observed, times_s=times), begun, known, other_falls=False)
         if fitted is None or fitted.bounces < flights.bounces or _elsewhere(flights, fitted):
             continue
         gain = _gain(flights, fitted)
