@@ -6,7 +6,7 @@ one and laid over it by their own coverage: strobed, smeared, spotted, partly hi
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -24,11 +24,12 @@ BLACK = np.zeros(3)
 
 @dataclass(frozen=True, slots=True)
 class Seen:
-    """A drawn ball: row, column and radius in pixels."""
+    """A drawn ball: row, column and radius in pixels; share of its outline that shows."""
 
     row: float
     column: float
     radius: float
+    outline: float = 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -185,8 +186,11 @@ def picture(kind: Kind, seed: int) -> tuple[Drawn, list[Seen]]:
             light = light * (1 - cover) + own_light
     light += layers
     if kind.hidden:
+        open_to_view = np.ones(SIZE, dtype=bool)
         for ball in balls:
-            _hide(light, ball, kind.hidden * rng.uniform(0.3, 1.0), rng)
+            front = _hide(light, ball, kind.hidden * rng.uniform(0.3, 1.0), rng)
+            open_to_view[front] = False
+        balls = [replace(ball, outline=_outline(ball, open_to_view)) for ball in balls]
     blurred = cv2.GaussianBlur(np.maximum(light, 0.0), (0, 0), rng.uniform(0.4, 1.0))
     noisy = 230 * np.asarray(blurred) + rng.uniform(0.5, 4.0) * rng.standard_normal(light.shape)
     shown: Drawn = np.clip(np.rint(noisy), 0, 255).astype(np.uint8)
@@ -230,10 +234,19 @@ def _strobed(kind: Kind, rng: np.random.Generator) -> list[Seen]:
     return [Seen(r, c, radius) for r, c in inside]
 
 
-def _hide(light: Floats, ball: Seen, share: float, rng: np.random.Generator) -> None:
-    """Put something with a straight rim in front of part of a ball."""
+def _hide(light: Floats, ball: Seen, share: float, rng: np.random.Generator) -> tuple[slice, slice]:
+    """Put something with a straight rim in front of part of a ball, and return where it is."""
     edge = ball.row + ball.radius * (1 - 2 * share)
     low, high = round(ball.column - 1.6 * ball.radius), round(ball.column + 1.5 * ball.radius)
-    light[round(edge) : round(edge + 2.5 * ball.radius), max(0, low) : high] = rng.uniform(
-        0, 0.7, 3
-    )
+    cover = (slice(round(edge), round(edge + 2.5 * ball.radius)), slice(max(0, low), high))
+    light[cover] = rng.uniform(0, 0.7, 3)
+    return cover
+
+
+def _outline(ball: Seen, open_to_view: NDArray[np.bool_]) -> float:
+    """Return the share of a ball's outline that nothing hides; outside the picture it is hidden."""
+    turns = np.linspace(0.0, 2.0 * np.pi, 200, endpoint=False)
+    rows = np.rint(ball.row + ball.radius * np.sin(turns)).astype(int)
+    columns = np.rint(ball.column + ball.radius * np.cos(turns)).astype(int)
+    inside = (rows >= 0) & (rows < SIZE[0]) & (columns >= 0) & (columns < SIZE[1])
+    return float(open_to_view[rows[inside], columns[inside]].sum() / len(turns))

@@ -22,6 +22,8 @@ NEAR, ALIKE = 0.25, 0.2
 LEAST_RADIUS_PX = 6.0
 MOST_SHARE = 0.35
 COUNTED = {"coins.png": 24, "bf_0000.png": 5, "bf_0010.png": 5, "bf_0020.png": 5, "bf_0030.png": 5}
+LEAST_OUTLINE = 0.35
+"""A ball of which less shows, as another's cover hides it, counts neither as there nor as false."""
 GOAL_FOUND, GOAL_FALSE = 0.95, 0.1
 
 
@@ -93,9 +95,11 @@ def _sought(shown: np.ndarray, tally: Tally) -> list[Disc]:
 
 
 def _judge(discs: list[Disc], balls: list[Seen], tally: Tally) -> None:
-    rest = list(discs)
-    tally.there += len(balls)
-    for ball in balls:
+    shown = [ball for ball in balls if ball.outline >= LEAST_OUTLINE]
+    hidden = [ball for ball in balls if ball.outline < LEAST_OUTLINE]
+    rest = [disc for disc in discs if not any(_is(disc, ball) for ball in hidden)]
+    tally.there += len(shown)
+    for ball in shown:
         own = [disc for disc in rest if _is(disc, ball)]
         if not own:
             continue

@@ -18,7 +18,7 @@ from analysis.balls.discs.judging import (
     false_alarms,
     fit_circle,
 )
-from analysis.balls.discs.rims import fit_rim
+from analysis.balls.discs.rims import fit_rim, sharpness
 
 CORRELATED = 2.5
 """By how much neighbouring edge points, which share what noise the filter saw, enlarge errors."""
@@ -39,8 +39,11 @@ SAME_RING = 0.15
 """A disc whose centre is nearer than this share of the larger radius belongs to the surer one."""
 NEARLY = 0.5
 """Of the best's log10 of false alarms: a circle about it that is as sure is the rim."""
-LEAST_OUTER, MOST_OUTER = 1.04, 1.7
-"""How much larger than the border of its lit part a ball may be."""
+LEAST_OUTER, MOST_OUTER = 1.04, 4.0
+"""How much larger a ball may be than the border of its lit part, or than a print on it."""
+SHARP, SHARPER, MOST_SHARPER = 1.32, 20.0, 0.08
+"""Sharpness of a rim that says neither way, powers of ten by which a disc is surer for each 1 above
+it, and how far above it counts."""
 PRINT = 0.45
 """A disc on a larger one, smaller than this share of it, is its gloss or a print."""
 WITHIN = 1.05
@@ -90,11 +93,12 @@ def find_balls(
     least
         log10 of the number of false alarms that is allowed.
     blotched
-        Whether discs are sought too in the picture whose blotches closing and opening take off.
+        Whether the picture shows a ground and paint, not changes alone: discs are sought too in it
+        with blotches taken off by closing and opening, and a soft rim may be the ground's.
     sigma_px
         Width of the filter that finds edges; None: a narrow one.
     """
-    sought = _Sought(radii_px, least, SIGMA_PX if sigma_px is None else sigma_px)
+    sought = _Sought(radii_px, least, SIGMA_PX if sigma_px is None else sigma_px, blotched)
     values = np.ascontiguousarray(np.atleast_3d(picture), dtype=np.float32)
     changed = (cv2.MORPH_CLOSE, cv2.MORPH_OPEN) if blotched else ()
     return _of_versions(values, sought, (None, *changed))
@@ -107,6 +111,7 @@ class _Sought:
     radii: tuple[float, float]
     least: float
     sigma_px: float
+    blotched: bool
 
 
 @dataclass(slots=True)
@@ -118,7 +123,8 @@ class _Candidate:
 
 
 def _of_versions(values: Singles, sought: _Sought, versions: tuple[int | None, ...]) -> list[Disc]:
-    radii, least = sought.radii, sought.least
+    radii = sought.radii
+    least = sought.least + sought.blotched * SHARPER * MOST_SHARPER
     # A circle is tried at each row, column and radius of the range.
     radius_steps = max(1.0, math.log(radii[1] / radii[0]) / math.log(RADIUS_STEP))
     tests = math.log10(values.shape[0] * values.shape[1] * radius_steps * len(versions))
@@ -151,12 +157,29 @@ def _of_versions(values: Singles, sought: _Sought, versions: tuple[int | None, .
                 continue
             rest.append(_Candidate(other.level, again))
         waiting = rest
+    if sought.blotched:
+        sharp = [_with_sharpness(values, disc, sought) for disc in accepted]
+        accepted = [disc for disc in sharp if disc.log_alarms < sought.least]
     whole = [disc for disc in accepted if not any(_on(disc, other) for other in accepted)]
     # The border of what is lit, or saturated, on a sphere is a circle too, next to its rim or not.
-    whole = [disc for disc in whole if not any(_less_sure_ring(disc, other) for other in whole)]
+    whole = [disc for disc in whole if not any(_same_rings(disc, other) for other in whole)]
     refined = [_refined(values, disc, sought.sigma_px) for disc in whole]
     # Two circles within one rim may both have led to it.
     return [disc for k, disc in enumerate(refined) if not any(_one(disc, o) for o in refined[:k])]
+
+
+def _with_sharpness(values: Singles, disc: Disc, sought: _Sought) -> Disc:
+    """Return a disc as sure as it is when its rim's sharpness counts as well, unless it is sure.
+
+    Blotches of the ground are by chance as round as a faint or partly hidden ball, but as soft as
+    all of the ground; a ball's limb is as sharp as the camera.
+    """
+    if disc.log_alarms < sought.least - SHARPER * (SHARP - 1.0):
+        return disc
+    place = np.array([disc.row, disc.column, disc.radius])
+    width = sought.sigma_px * max(1.0, disc.radius / (1.5 * SEARCH_RADIUS_PX))
+    surer = min(sharpness(values, place, width) - SHARP, MOST_SHARPER)
+    return replace(disc, log_alarms=disc.log_alarms - SHARPER * surer)
 
 
 def _refined(values: Singles, disc: Disc, sigma_px: float) -> Disc:
@@ -184,7 +207,7 @@ def _outermost(waiting: list[_Candidate], best: _Candidate) -> _Candidate:
     """Return the surest circle about the best that is nearly as sure, and put the best back.
 
     Within a sphere's rim lies the border of its lit part, which has a side of the rim in common
-    with it; a coin has an inner ring.
+    with it; a coin has an inner ring, a pool ball a number in a sharp ring.
     """
     about = [
         other
@@ -200,10 +223,14 @@ def _outermost(waiting: list[_Candidate], best: _Candidate) -> _Candidate:
 
 
 def _holds(outer: Disc, inner: Disc) -> bool:
-    """Return whether a circle lies within another of much the same size, and is not the same."""
-    apart = math.hypot(outer.row - inner.row, outer.column - inner.column)
+    """Return whether a circle lies within another one and is not the same."""
     larger = outer.radius / inner.radius
-    return LEAST_OUTER < larger < MOST_OUTER and apart + inner.radius < WITHIN * outer.radius
+    return LEAST_OUTER < larger < MOST_OUTER and _within(inner, outer)
+
+
+def _within(inner: Disc, outer: Disc) -> bool:
+    apart = math.hypot(inner.row - outer.row, inner.column - outer.column)
+    return apart + inner.radius < WITHIN * outer.radius
 
 
 def _on(small: Disc, large: Disc) -> bool:
@@ -212,15 +239,15 @@ def _on(small: Disc, large: Disc) -> bool:
     return small.radius < PRINT * large.radius and apart < large.radius
 
 
-def _less_sure_ring(disc: Disc, other: Disc) -> bool:
-    """Return whether of two circles, one within the other, this is the less sure one.
+def _same_rings(disc: Disc, other: Disc) -> bool:
+    """Return whether of two circles, one within the other, this is the one that is no rim.
 
-    Where a sphere of such a size would be wholly in front of another, it hides most of it.
+    Where a sphere of such a size would be wholly in front of another, it hides most of it. The
+    outer one is the rim unless the inner one is far surer.
     """
-    small, large = sorted((disc, other), key=lambda each: each.radius)
-    apart = math.hypot(small.row - large.row, small.column - large.column)
-    within = apart + small.radius < WITHIN * large.radius
-    return within and disc.log_alarms > other.log_alarms
+    inner, outer = sorted((disc, other), key=lambda each: each.radius)
+    rim = outer if outer.log_alarms < NEARLY * inner.log_alarms else inner
+    return disc is not other and _within(inner, outer) and disc is not rim
 
 
 @dataclass(frozen=True, slots=True, eq=False)

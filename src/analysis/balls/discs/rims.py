@@ -56,6 +56,10 @@ CENTRE_AND_RADIUS = np.array([[0.5, 0.5, 0.0], [0.5, 0.5, 0.0], [0.0, 0.0, 1.0]]
 """Mean square of the changes of row and column, for both; that of the radius."""
 
 
+ASIDE, RIM_STEP = 2.5, 0.5
+"""How far beside a circle its rim is looked for, in the filter's widths, and in which steps."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class _Edges:
     """Edges of a window at one width and where a filter of no width would have them.
@@ -103,6 +107,52 @@ def fit_rim(values: Singles, place: Floats, sigma_px: float) -> tuple[Floats, Fl
         return None
     widest = _unshifted(seen, gradient_field(window, WIDEST * sigma_px), sigma_px, WIDEST)
     return fit[:3] + corner, _errors(fit, edges, widest, rivals)
+
+
+def sharpness(values: Singles, place: Floats, sigma_px: float) -> float:
+    """Return how much stronger a narrow filter sees a rim than one `WIDER` times as wide.
+
+    A step that the filter alone blurs has `WIDER`, a slope that is wider than both has 1. The
+    median about the rim counts, so that what hides a part of it, or a smear along it, does not.
+
+    Parameters
+    ----------
+    place
+        Row, column and radius, shape (3,).
+    sigma_px
+        Width of the narrow filter.
+    """
+    reach = math.ceil(place[2] + 2.0 * ASIDE * sigma_px + REACH_PX)
+    top, left = (max(0, int(middle) - reach) for middle in place[:2])
+    bottom, right = (int(middle) + reach + 1 for middle in place[:2])
+    window = np.ascontiguousarray(values[top:bottom, left:right])
+    circle = place - np.array([top, left, 0.0])
+    narrow, wide = (
+        _rim_sizes(gradient_field(window, width), circle, sigma_px)
+        for width in (sigma_px, WIDER * sigma_px)
+    )
+    seen = wide > 0.0
+    return float(np.median(narrow[seen] / wide[seen])) if seen.any() else 1.0
+
+
+@compiled
+def _rim_sizes(
+    field: NDArray[np.float32], circle: NDArray[np.float64], sigma_px: float
+) -> NDArray[np.float64]:
+    """Return the largest part of the gradient along the radius near each sample of a circle."""
+    samples = max(24, int(2.0 * math.pi * circle[2]))
+    found = np.zeros(samples)
+    steps = int(ASIDE / RIM_STEP)
+    for k in range(samples):
+        angle = 2.0 * math.pi * k / samples
+        u, v = math.sin(angle), math.cos(angle)
+        for m in range(-steps, steps + 1):
+            away = circle[2] + m * RIM_STEP * sigma_px
+            row, column = circle[0] + away * u, circle[1] + away * v
+            for side in (1.0, -1.0):
+                size = _size_along(field, row, column, side * u, side * v)
+                found[k] = max(found[k], size)
+    return found
 
 
 def _unshifted(seen: Singles, field: Singles, sigma_px: float, wider: float) -> _Edges:

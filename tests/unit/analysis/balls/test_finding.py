@@ -96,3 +96,43 @@ def test_stated_errors_of_a_centre_hold_its_distance_from_the_drawn_one() -> Non
         pulls += [(disc.row - row) / disc.row_sigma, (disc.column - column) / disc.column_sigma]
     assert np.sqrt(np.mean(np.square(pulls))) < 1.5
     assert np.abs(pulls).max() < 4
+
+
+@pytest.mark.parametrize(
+    ("grey", "aside", "print_px", "hidden"), [(130.0, 9.0, 26.0, 140), (120.0, 3.0, 18.0, 104)]
+)
+def test_a_number_in_a_sharp_ring_on_a_ball_is_no_ball(
+    grey: float, aside: float, print_px: float, hidden: int
+) -> None:
+    # The ring is surer than the rim, which lies before spots or partly behind something.
+    rng = np.random.default_rng(0)
+    picture = np.asarray(cv2.GaussianBlur(rng.normal(150.0, 60.0, (140, 160)), (0, 0), 2.0))
+    rows, columns = np.mgrid[:140, :160]
+    picture = np.where(np.hypot(rows - 70, columns - 80) < 50, grey, picture)
+    picture = np.where(np.hypot(rows - 70, columns - 80 - aside) < print_px, 250.0, picture)
+    picture[hidden:] = 110.0
+    blurred = np.asarray(cv2.GaussianBlur(picture, (0, 0), 0.8))
+    (disc,) = find_balls(drawings.grey(blurred, noise=2.0), (6.0, 60.0))
+    assert (disc.row, disc.column, disc.radius) == pytest.approx((70, 80, 50), abs=0.5)
+
+
+@pytest.mark.parametrize("seed", [8, 13])
+def test_a_faint_ball_behind_something_is_found_by_the_sharp_half_of_its_rim(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    spots = np.asarray(cv2.GaussianBlur(rng.normal(0.0, 1.0, (140, 160)), (0, 0), 3.0))
+    ball = drawings.coverage((60.3, 64.8, 22.0), (140, 160))
+    picture = 110.0 + 15.0 * spots / spots.std() + 42.0 * cv2.GaussianBlur(ball, (0, 0), 0.5)
+    picture[66:] = 110.0
+    (disc,) = find_balls(drawings.grey(np.asarray(picture), noise=2.0), (8.0, 40.0))
+    assert (disc.row, disc.column) == pytest.approx((60.3, 64.8), abs=1.5)
+    assert disc.radius == pytest.approx(22.0, abs=1.0)
+
+
+@pytest.mark.parametrize(("width", "seed"), [(6.0, 0), (6.0, 21), (12.0, 5), (12.0, 16)])
+def test_soft_blotches_of_a_ground_are_no_discs(width: float, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    blotches = np.asarray(cv2.GaussianBlur(rng.normal(0.0, 1.0, (240, 320)), (0, 0), width))
+    noise = rng.normal(0.0, 1.5, blotches.shape)
+    assert not find_balls(
+        drawings.grey(110.0 + 25.0 * blotches / blotches.std() + noise), (8.0, 60.0)
+    )
