@@ -24,6 +24,8 @@ MOST_SHIFT, MOST_BELOW = 0.01, 20.0
 zero its tail is an exponential one to the last digit."""
 LEAST_INFORMATION = 1e-20
 """Of a number that no place that counts depends on."""
+ENDLESSLY = 1e6
+"""px, of a place whose flight, traced back through a drag that stops it at once, has no end."""
 MOST_OPEN = 2.0
 """Standard error of a logarithm with which a film says nothing."""
 CONTRADICTION = 3.5
@@ -44,9 +46,11 @@ def described(problem: Problem, values: Floats, chosen: Chosen) -> Flights:
     observed, free = problem.observed, problem.free
     slopes = _slopes(problem, values, arcs)
     found, _ = problem.predict(values, arcs)
-    own = (observed.places - found[:, :2]) / (observed.sigmas * enlarge)
+    used = used & np.isfinite(found).all(axis=1)
+    own = _off(observed.places, found) / (observed.sigmas * enlarge)
     enlarge = enlarge * _enlarged(own, arcs, used, int(free.sum()))
-    covariance = _covariance(problem, slopes[0][used], (observed.sigmas * enlarge)[used])
+    errors = (observed.sigmas * enlarge)[used]
+    covariance = _covariance(problem, values, slopes[0][used], errors)
     known_sigmas = problem.prior_sigma.copy()
     early = float(values[path.STAY]) < -EARLY * known_sigmas[path.STAY]
     early_s = -float(values[path.STAY]) if early else 0.0
@@ -59,12 +63,11 @@ def described(problem: Problem, values: Floats, chosen: Chosen) -> Flights:
         values[path.STAY] = lasts
         values = solve(problem, values, (arcs, used, enlarge), others, soft=False)
         slopes = _slopes(problem, values, arcs)
-        covariance = _covariance(problem, slopes[0][used], (observed.sigmas * enlarge)[used])
+        covariance = _covariance(problem, values, slopes[0][used], errors)
     _hold(covariance, known_sigmas, path.STAY, lasts_sigma)
     found, contacts = problem.predict(values, arcs)
-    residuals = observed.places - found[:, :2]
+    residuals = _off(observed.places, found)
     place_slopes, contact_slopes, taken_slopes = slopes
-    errors = (observed.sigmas * enlarge)[used]
     since_s = problem.times(values)[used] - contacts[0, 0]
     pushed = covariance @ np.einsum("np,n->p", place_slopes[used, 0], since_s / errors[:, 0] ** 2)
     rise = _unseen_rise(problem.natural(values), np.sqrt(np.diag(covariance)))
@@ -103,7 +106,13 @@ def described(problem: Problem, values: Floats, chosen: Chosen) -> Flights:
     )
 
 
-def _covariance(problem: Problem, slopes: Floats, errors: Floats) -> Floats:
+def _off(places: Floats, found: Floats) -> Floats:
+    """Return places less those of flights; of one that runs beyond all numbers, ENDLESSLY."""
+    off = places - found[:, :2]
+    return np.asarray(np.where(np.isfinite(off), off, ENDLESSLY))
+
+
+def _covariance(problem: Problem, values: Floats, slopes: Floats, errors: Floats) -> Floats:
     """Return the covariance of all numbers, shape (P, P); those that are held have none.
 
     Parameters
@@ -117,8 +126,8 @@ def _covariance(problem: Problem, slopes: Floats, errors: Floats) -> Floats:
     normal += np.diag(1.0 / problem.prior_sigma[free] ** 2)
     both = np.flatnonzero(np.isin(np.flatnonzero(free), LEVEL))
     normal[np.ix_(both, both)] += 1.0 / LEVEL_SIGMA**2
-    drifts = problem.drifts[:, free]
-    normal += drifts.T @ drifts
+    for told in (problem.drifts[:, free], problem.beyond(values)[1][:, free]):
+        normal += told.T @ told
     covariance = np.zeros((len(free), len(free)))
     # The numbers' units lie many powers of ten apart.
     unit = 1.0 / np.sqrt(np.maximum(np.diag(normal), LEAST_INFORMATION))
@@ -181,7 +190,8 @@ def _unseen_rise(values: Floats, sigmas: Floats) -> float:
 def _slopes(problem: Problem, values: Floats, arcs: Ints) -> tuple[Floats, Floats, Floats]:
     """Return derivatives to the fit's numbers, by central differences.
 
-    Of places, of contacts, and of what is taken out of places.
+    Of places, of contacts, and of what is taken out of places. What runs beyond all numbers depends
+    on nothing.
     """
     count = len(values)
     place_slopes = np.zeros((len(arcs), 2, count))
@@ -198,6 +208,8 @@ def _slopes(problem: Problem, values: Floats, arcs: Ints) -> tuple[Floats, Float
         contact_slopes[..., p] = (high_contacts - low_contacts) / (2 * step)
         taken = problem.taken(above, arcs) - problem.taken(below, arcs)
         taken_slopes[..., p] = taken / (2 * step)
+    for slopes in (place_slopes, contact_slopes, taken_slopes):
+        slopes[~np.isfinite(slopes)] = 0.0
     return place_slopes, contact_slopes, taken_slopes
 
 

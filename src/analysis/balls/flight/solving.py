@@ -63,13 +63,16 @@ def solve(
         prior = (moved[known] - problem.prior[known]) / problem.prior_sigma[known]
         level = moved[LEVEL].sum(keepdims=True) / LEVEL_SIGMA if loose[LEVEL].all() else prior[:0]
         apart = drifts @ moved - problem.drifts_target[: len(drifts)]
-        every = np.concatenate([own - seen(moved), prior, level, apart])
+        beyond = problem.beyond(moved)[0]
+        every = np.concatenate([own - seen(moved), prior, level, apart, beyond])
         return np.asarray(np.nan_to_num(every, nan=1e6, posinf=1e6, neginf=-1e6))
 
     def slopes(step: Floats) -> Floats:
-        here = seen(at(step))
+        here = at(step)
         moved = [seen(at(step + STEP * one)) for one in np.eye(len(units))]
-        return np.vstack([np.nan_to_num((here - np.array(moved)) / STEP).T, straight])
+        own = np.nan_to_num((seen(here) - np.array(moved)) / STEP).T
+        beyond = (problem.beyond(here)[1] * problem.units)[:, loose]
+        return np.vstack([own, straight, beyond])
 
     loss: Literal["soft_l1", "linear"] = "soft_l1" if soft else "linear"
     solved = least_squares(

@@ -55,7 +55,11 @@ def falls(chain: Chain, looks: Looks, fall: Floats) -> bool:
     """Return whether a chain's flights bend as a fall does; one must be long enough to say.
 
     Anything that moves slowly goes through a few frames of some fall: a ball that rolls, or a hand.
+    What hardly moves in any of its flights, as a leaf in the wind before a camera that shakes, does
+    not fly.
     """
+    if all(_stays(arc, looks) for arc in chain.arcs):
+        return False
     bend = _bend(chain.arcs, looks, fall)
     if bend is None:
         return False

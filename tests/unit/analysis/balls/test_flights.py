@@ -10,10 +10,12 @@ import pytest
 
 from analysis.arrays import Floats
 from analysis.balls.flight import path
+from analysis.balls.flight.describing import described
 from analysis.balls.flight.fit import fit_flights
 from analysis.balls.flight.flights import Flights, Observed, Start
 from analysis.balls.flight.known import Ball, Known, View
 from analysis.balls.flight.lost import find_gap, unsure_e
+from analysis.balls.flight.problem import Problem
 from analysis.balls.gaps import Gap
 from analysis.balls.systematics import apart_sigmas, whole_sigmas
 
@@ -243,6 +245,17 @@ def test_flights_that_a_fit_tries_on_its_way_have_contacts_in_time(
     assert np.isfinite(contacts).all()
     # Nothing lasts much longer than the film: its steps are counted in hundredths of a second.
     assert np.abs(contacts[:, 0]).max() < 50 * times[-1]
+
+
+def test_flights_that_run_beyond_all_numbers_are_described_as_far_as_they_go() -> None:
+    # A drag that stops a ball within a few px, traced back from its first bounce.
+    observed = parabolas(np.random.default_rng(5))
+    problem = Problem(observed, start(), known())
+    values = problem.begin.copy()
+    values[path.DRAG] = math.log(0.05)
+    arcs, used = problem.assign(values)
+    found = described(problem, values, (arcs, used, np.ones_like(observed.places)))
+    assert np.isfinite(found.covariance).all()
 
 
 def test_a_fall_of_half_the_stated_diameter_is_fitted_from_what_the_flights_say() -> None:

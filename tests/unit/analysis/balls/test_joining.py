@@ -61,3 +61,15 @@ def test_a_fast_flight_that_is_followed_over_its_bounce_still_falls() -> None:
     carried = np.stack([30.0 + 3200.0 * frames / 1000.0, np.full(38, 60.0)], axis=1)
     steady = Chain((Arc(frames, frames / 1000.0, carried, 38.0),), np.zeros(0), np.zeros((0, 2)))
     assert not falls(steady, looks, fall)
+
+
+def test_what_trembles_on_its_place_does_not_fall_though_it_bends_as_falls_do() -> None:
+    # A leaf before a camera that shakes: two bows 3 px high in 20 frames, of a fall and a bounce.
+    fall, looks = np.array([2400.0, 0.0]), Looks(8.0, 0.2, np.ones(1), np.ones(1), ())
+    gone = np.arange(-10.0, 11.0) / RATE
+    bow = 225.0 + 0.5 * fall[0] * gone**2
+    arcs = arc(0, bow), arc(21, bow)
+    assert not falls(Chain(arcs, np.array([0.1]), np.array([[228.0, 100.0]])), looks, fall)
+    # As high a bow of a ball that has fallen from far above is one of its bounces.
+    high = arc(0, fallen(0.0, np.arange(30.0)))
+    assert falls(Chain((high, arc(30, bow)), np.array([0.15]), np.zeros((1, 2))), looks, fall)

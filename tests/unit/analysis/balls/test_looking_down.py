@@ -201,3 +201,56 @@ def test_films_without_sizes_say_nothing_of_drifts() -> None:
         told = drift(each, np.array([0.3]), np.ones(len(seen.frames), bool), known)
         assert told.weights.shape == (0, 3)
         assert told.of_all_flights(0.7) == pytest.approx(0.7)
+
+
+LASTS = np.array([0.5, 0.444, 0.322, 0.242, 0.186])
+ACROSS_THEM = np.array([0.08, 0.17, 0.14, 0.18, 0.23])
+"""Of flights before a telephone, the first of which is a fall of half of its time: s from bounce to
+bounce, and m/s across, which spin changes."""
+
+
+def before_a_telephone(seed: int) -> tuple[Observed, Start]:
+    """Bounces before a telephone that looks down at them; places scatter by ten times their errors.
+
+    The last flight is seen in its first four frames.
+    """
+    focal, look, off_m, above_m = 2100.0, 0.1, 0.8, 0.2
+    begun = np.cumsum(np.concatenate([[-0.2], LASTS]))
+    along = np.concatenate([[0.0], np.cumsum(ACROSS_THEM * LASTS)]) - 0.1
+    times = np.arange(0.06, begun[-1] - 0.05, 1 / 30.0)
+
+    def places(times: Floats) -> Floats:
+        flight = np.clip(np.searchsorted(begun, times, side="right") - 1, 0, len(LASTS) - 1)
+        gone = times - begun[flight]
+        up = 0.5 * G * gone * (LASTS[flight] - gone) - above_m
+        ahead = math.cos(look) * off_m - math.sin(look) * up
+        over = math.sin(look) * off_m + math.cos(look) * up
+        across = focal * (along[flight] + ACROSS_THEM[flight] * gone) / ahead
+        return np.stack([959.5 - focal * over / ahead, 539.5 + across], axis=1)
+
+    bounces = begun[1:-1]
+    slopes = [
+        (places(bounces + side * 2e-3) - places(bounces + side * 1e-3)) / (side * 1e-3)
+        for side in (-1, 1)
+    ]
+    rng = np.random.default_rng(seed)
+    seen = places(times) + rng.standard_normal((len(times), 2))
+    observed = Observed(np.arange(len(times)), times, seen, np.full(seen.shape, 0.1))
+    return observed, Start(bounces + 1e-3, places(bounces), slopes[0], slopes[1])
+
+
+@pytest.mark.parametrize("seed", [4, 7])
+def test_no_endless_lens_makes_room_for_another_e_of_a_last_flight_of_four_frames(
+    seed: int,
+) -> None:
+    seen, begin = before_a_telephone(seed)
+    scale = 2100.0 / 0.8
+    view = View(1920, 1080, 1 / 30.0, 0.01, "rows", compressed=True)
+    flights = fit_flights(seen, begin, Known(Ball(2 * 52.0 / scale), view, 52.0))
+    assert flights is not None
+    truth = LASTS[1:] / LASTS[:-1]
+    assert flights.bounces == len(truth)
+    slope = flights.slopes_of_e(len(truth) - 1)
+    sigma = math.sqrt(slope @ flights.whole_covariance @ slope)
+    assert flights.contacts[-1, 3] / flights.contacts[-1, 1] == pytest.approx(truth[-1], abs=0.02)
+    assert sigma < 0.04
