@@ -11,7 +11,7 @@ from analysis.arrays import Floats
 from analysis.balls.gaps import Gap
 from analysis.balls.seen.arcs import Chain
 from analysis.balls.seen.free_fall import agreeing, as_stated
-from analysis.balls.seen.looks import Looks
+from analysis.balls.seen.looks import Looks, weight
 from analysis.balls.seen.surroundings import Surroundings
 
 CLEAR_FRAMES = 12
@@ -20,6 +20,8 @@ MUCH_MORE = 1.25
 """Frames of flights that bend alike of less sure discs, over those of surer ones, that win."""
 APART_RADII = 2.0
 """Between two balls: a ball's own light and shadow, taken for discs of other sizes, lie nearer."""
+HARDLY_SURE = 0.1
+"""Weight of discs over that of others of one ball, whose size those are then."""
 HALF_AS_STRONG = 0.5
 """Strength over that of the strongest chain, of one that may be the ball whose size is stated."""
 
@@ -84,10 +86,21 @@ def best_of(seen: Sequence[Search]) -> Search:
     """
     best = seen[0]
     for one in seen[1:]:
-        if frames_of(one) > MUCH_MORE * frames_of(best):
+        if frames_of(one) > MUCH_MORE * frames_of(best) and not _hardly_seen(one, best):
             best = one
     others = [one for one in seen if one.as_stated and another(one, best)]
     return best if best.as_stated or not others else max(others, key=frames_of)
+
+
+def _hardly_seen(one: Search, best: Search) -> bool:
+    """Return whether discs are far less sure than those of another size at the same ball.
+
+    A ball with its shadow is a larger disc in a frame or two: its flights are the ball's own.
+    """
+    if weight(one.looks.seen) > HARDLY_SURE * weight(best.looks.seen):
+        return False
+    apart = _apart(one, best)
+    return len(apart) >= CLEAR_FRAMES and bool(np.median(apart) < best.looks.radius_px)
 
 
 def frames_of(found: Search) -> int:
@@ -100,17 +113,22 @@ def another(one: Search, best: Search) -> bool:
     frames, alike = agreeing(one.chain, one.looks, one.fall)
     if one is best or frames < CLEAR_FRAMES or alike < 2 or one.contradicts:
         return False
+    apart = _apart(one, best)
+    reach = APART_RADII * max(one.looks.radius_px, best.looks.radius_px)
+    return len(apart) >= CLEAR_FRAMES and bool(np.min(apart) > reach)
+
+
+def _apart(one: Search, best: Search) -> list[float]:
+    """Return how far two balls are from each other in the frames in which both fly, px."""
     theirs = {
         int(f): p for arc in best.chain.arcs for f, p in zip(arc.frames, arc.places, strict=True)
     }
-    apart = [
-        np.hypot(*(place - theirs[int(frame)]))
+    return [
+        float(np.hypot(*(place - theirs[int(frame)])))
         for arc in one.chain.arcs
         for frame, place in zip(arc.frames, arc.places, strict=True)
         if int(frame) in theirs
     ]
-    reach = APART_RADII * max(one.looks.radius_px, best.looks.radius_px)
-    return len(apart) >= CLEAR_FRAMES and bool(np.min(apart) > reach)
 
 
 def stated_first(linked: list[Chain], looks: Looks, fall: Floats) -> None:

@@ -1,0 +1,46 @@
+"""Which of several balls that a film may show is the one that is measured."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from analysis.arrays import Floats
+from analysis.balls.discs.finding import Disc
+from analysis.balls.found import Search, best_of
+from analysis.balls.seen.arcs import Arc, Chain
+from analysis.balls.seen.looks import Looks
+
+RATE, FALL, HOP = 200.0, np.array([20_000.0, 0.0]), 40
+"""Frames a second, px/s^2 and frames from bounce to bounce."""
+
+
+def seen(radius: float, discs: int, hops: int, column: float = 100.0) -> Search:
+    """A ball that was found as so many sure discs and flies from bounce to bounce."""
+    arcs = []
+    for hop in range(hops):
+        gone = (np.arange(HOP) - 0.5 * HOP) / RATE
+        frames = np.arange(HOP) + hop * HOP
+        places = np.stack([300.0 + 0.5 * FALL[0] * gone**2, np.full(HOP, column)], axis=1)
+        arcs.append(Arc(frames, frames / RATE, places, float(HOP)))
+    bounces: Floats = np.arange(1.0, hops) * HOP / RATE
+    chain = Chain(tuple(arcs), bounces, np.tile([500.0, column], (hops - 1, 1)))
+    told = tuple((k, Disc(300.0, column, radius, 0.1, 0.1, 0.1, 1.0, -30.0)) for k in range(discs))
+    looks = Looks(radius, 0.3, np.ones(1), np.ones(1), told)
+    times = np.arange(HOP * hops) / RATE
+    nothing = np.zeros((0, 3))
+    return Search(looks, chain, FALL, (), nothing, (), times * 0 + 1, None, True, times, ())
+
+
+def test_a_ball_with_its_shadow_that_one_frame_shows_is_no_larger_ball() -> None:
+    ball, with_shadow = seen(46.0, discs=12, hops=2), seen(52.0, discs=1, hops=3)
+    assert best_of([ball, with_shadow]) is ball
+
+
+def test_a_small_ball_that_flies_longer_than_a_large_thing_elsewhere_is_the_ball() -> None:
+    hand, ball = seen(46.0, discs=12, hops=2), seen(12.0, discs=1, hops=3, column=300.0)
+    assert best_of([hand, ball]) is ball
+
+
+def test_another_size_of_the_same_ball_that_is_as_sure_and_flies_longer_is_the_ball() -> None:
+    one, other = seen(46.0, discs=12, hops=2), seen(50.0, discs=8, hops=3)
+    assert best_of([one, other]) is other
