@@ -41,7 +41,7 @@ NEARLY = 0.5
 """Of the best's log10 of false alarms: a circle about it that is as sure is the rim."""
 LEAST_OUTER, MOST_OUTER = 1.04, 4.0
 """How much larger a ball may be than the border of its lit part, or than a print on it."""
-SHARP, SHARPER, MOST_SHARPER = 1.32, 20.0, 0.08
+SHARP, SHARPER, MOST_SHARPER = 1.3, 50.0, 0.02
 """Sharpness of a rim that says neither way, powers of ten by which a disc is surer for each 1 above
 it, and how far above it counts."""
 PRINT = 0.45

@@ -116,7 +116,7 @@ def test_a_number_in_a_sharp_ring_on_a_ball_is_no_ball(
     assert (disc.row, disc.column, disc.radius) == pytest.approx((70, 80, 50), abs=0.5)
 
 
-@pytest.mark.parametrize("seed", [8, 13])
+@pytest.mark.parametrize("seed", [20, 27])
 def test_a_faint_ball_behind_something_is_found_by_the_sharp_half_of_its_rim(seed: int) -> None:
     rng = np.random.default_rng(seed)
     spots = np.asarray(cv2.GaussianBlur(rng.normal(0.0, 1.0, (140, 160)), (0, 0), 3.0))
