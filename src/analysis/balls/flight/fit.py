@@ -78,9 +78,23 @@ def fit_flights(
         if len(kept) == fitted.bounces + 1:
             return fitted
         # A flight of few frames ends the chain, or the chain begins after it.
-        observed = observed.of(np.isin(fitted.arcs, kept))
+        own = np.isin(fitted.arcs, kept)
+        observed = observed.of(own & ~_at_lost_bounces(problem, fitted, kept))
         start = start.of(slice(kept[0], kept[-1]) if kept else slice(0, 0))
     return None
+
+
+def _at_lost_bounces(problem: Problem, fitted: Flights, kept: list[int]) -> NDArray[np.bool_]:
+    """Return which places lie at the bounces before and after the flights that are kept.
+
+    Once those bounces are no longer fitted, nothing else says that they are none of a flight.
+    """
+    clear = problem.assign(problem.logarithmic(fitted.values))[1]
+    times, bounces = fitted.observed.times_s, fitted.contacts[:, 0]
+    ends = (kept[0] - 1, kept[-1]) if kept else ()
+    lost = [bounces[k] for k in ends if 0 <= k < len(bounces)]
+    nearest = np.abs(times[:, None] - bounces).argmin(axis=1)
+    return ~clear & np.isin(bounces[nearest], lost)
 
 
 def _by_fall(problem: Problem, *, again: bool) -> Flights:

@@ -124,6 +124,21 @@ def test_a_bounce_with_too_few_frames_behind_it_ends_the_chain() -> None:
     assert flights.bounces == 1
 
 
+def test_frames_at_a_bounce_that_is_not_fitted_do_not_bend_the_flight_before_it() -> None:
+    law = [*BOUNCES, (BOUNCES[1][0] + 2 * 1.45 / 9.80665, 1.45, 1.1)]
+    third = law[2][0]
+    seen = parabolas(np.random.default_rng(6), law, third + 3.5 / RATE)
+    # While the ball is in contact it is exposed before and after: its middle lies too high.
+    near = np.abs(seen.times_s - third) < 1.0 / RATE
+    seen.places[near, 0] -= 1.5
+    flights = fit_flights(seen, start(law), known(exposure_s=1.9 / RATE))
+    assert flights is not None
+    assert flights.bounces == 2
+    assert not np.isin(flights.observed.frames, np.flatnonzero(near)).any()
+    for (e, sigma), (_, down, up) in zip(coefficients(flights), law[:2], strict=True):
+        assert e == pytest.approx(up / down, abs=4 * sigma)
+
+
 def test_no_bounce_with_frames_on_both_sides_gives_none() -> None:
     observed = parabolas(np.random.default_rng(7))
     before = observed.of(observed.times_s < BOUNCES[0][0])
