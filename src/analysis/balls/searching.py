@@ -174,6 +174,9 @@ def _without_jumps(
         again = _flights(later, looks, stated)
         if again is None or _whole(again) < _whole(flights):
             break
+        if flights is not None and flights[2][0] == stated[0] != again[2][0]:
+            # What falls as stated does not fall otherwise with the right times.
+            break
         # What jumps before or after the ball's flights may be another thing.
         flown_in = np.concatenate([arc.frames for arc in again[1].arcs])
         inside = tuple(gap for gap in gaps if flown_in.min() < gap.frame <= flown_in.max())
