@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,16 +18,18 @@ from analysis.balls.flight.lost import contradicted, find_gap, unsure_e
 from analysis.balls.found import Search
 from analysis.balls.gaps import Gap, mended
 from analysis.balls.searching import search
-from analysis.balls.seen.arcs import Arc, Chain
+from analysis.balls.seen.arcs import Chain
 from analysis.balls.seen.free_fall import rests
 from analysis.balls.seen.looks import Looks
 from analysis.balls.seen.placing import Placed, Placer
 from analysis.balls.seen.windows import Motion, Seen, Window, cut_windows
 from analysis.balls.systematics import (
     ByRadius,
+    RimsOff,
     apart_sigmas,
     by_radius,
     of_one_flight,
+    rims_off,
     shifts,
     whole_sigmas,
 )
@@ -182,18 +184,15 @@ def _measured(
     placer = Placer.new(looks.radius_px, exposure_s or 0.0)
     longest = period if exposure_s is None else exposure_s
     known = Seen(found.gains, found.about, found.unexplained)
-    windows = cut_windows(film, looks, motion, longest, known)
-    placer.learn_blur(windows, motion)
-    if placer.learn_radius(windows, motion):
-        looks = looks.with_radius(placer.radius_px)
-        found = replace(found, looks=looks)
-        windows = cut_windows(film, looks, motion, longest, known)
-        placer.learn_blur(windows, motion)
+    looks, windows = _windows(
+        placer, looks, motion, lambda ball: cut_windows(film, ball, motion, longest, known)
+    )
     told = None if exposure_s is not None else placer.learn_exposure(windows, motion, period)
     clear = _free(placer.place(windows, motion), chain)
     bare = placed = _let_go(clear, chain, times_s, looks.radius_px)
     of_radius: ByRadius | None = None
     flights, told_by, earlier, own, row_time = None, placed, placed, windows, 0.0
+    by_rims: RimsOff | None = None
     coefficients: list[Floats] = []
     fits: list[_Fit] = []
     for repeat in range(MOST_REPEATS if len(chain.times_s) else 0):
@@ -214,7 +213,9 @@ def _measured(
         row_time = float(flights.values[path.ROW_TIME])
         if exposure_s is None:
             told = placer.learn_exposure(own, motion, period)
-        placer.learn_light(own, motion, row_time)
+        rims = rims_off(looks, motion) if repeat == 0 else None
+        by_rims = by_rims or rims
+        motion = _learn_light(placer, (own, motion, row_time), rims)
         placer.learn_blur(own, motion)
         placed = placer.place(own, motion, row_time)
         if of_radius is None:
@@ -225,7 +226,7 @@ def _measured(
             placer, (windows, motion), placed, (looks, chain.arcs, times_s)
         )
     else:
-        placed, scatter = _placed(looks, (bare, earlier, told_by), flights)
+        placed, scatter = _placed(looks, (bare, earlier, told_by), flights, by_rims)
     measured = MeasuredBall(
         search=replace(found, looks=looks),
         placed=placed,
@@ -241,6 +242,32 @@ def _measured(
     return measured, fits
 
 
+def _windows(
+    placer: Placer, looks: Looks, motion: Motion, cut: Callable[[Looks], list[Window]]
+) -> tuple[Looks, list[Window]]:
+    """Return the ball's looks and windows, with the radius and the blur that explain them best."""
+    windows = cut(looks)
+    placer.learn_blur(windows, motion)
+    if placer.learn_radius(windows, motion):
+        looks = looks.with_radius(placer.radius_px)
+        windows = cut(looks)
+        placer.learn_blur(windows, motion)
+    return looks, windows
+
+
+def _learn_light(
+    placer: Placer, seen: tuple[list[Window], Motion, float], rims: RimsOff | None
+) -> Motion:
+    """Learn the ball's light, where its rims are if that is known; return where it was learned."""
+    own, motion, row_time = seen
+    if rims is None:
+        placer.learn_light(own, motion, row_time)
+    else:
+        motion = replace(motion, places=motion.places + rims.shift)
+        placer.learn_light_at(own, motion, row_time)
+    return motion
+
+
 def _view(head: FilmHead, period_s: float, exposure_s: float) -> View:
     return View(
         *head.whole,
@@ -254,10 +281,13 @@ def _view(head: FilmHead, period_s: float, exposure_s: float) -> View:
 
 
 def _placed(
-    looks: Looks, taught: tuple[Placed, Placed, Placed], flights: Flights
+    looks: Looks,
+    taught: tuple[Placed, Placed, Placed],
+    flights: Flights,
+    by_rims: RimsOff | None,
 ) -> tuple[Placed, Floats]:
     """Return places with all that is not known of them, and their errors beside one another."""
-    moved = shifts(looks, taught, flights)
+    moved = shifts(looks, taught, flights, by_rims)
     own = taught[-1].of(np.isin(taught[-1].frames, flights.observed.frames))
     sigmas = whole_sigmas(flights, moved)
     placed = replace(own, places=flights.observed.places, sigmas=sigmas)
@@ -282,17 +312,15 @@ def _free(placed: Placed, chain: Chain) -> Placed:
 def _let_go(placed: Placed, chain: Chain, times_s: Floats, radius_px: float) -> Placed:
     """Return places without those of a ball that rests before its flights or after them."""
     kept = np.ones(len(placed.frames), dtype=bool)
-    begins, ends = (placed.frames[np.isin(placed.frames, a.frames)] for a in _outer(chain))
+    begins, ends = (
+        placed.frames[np.isin(placed.frames, a.frames)] for a in (chain.arcs[0], chain.arcs[-1])
+    )
     rows = dict(zip(placed.frames.tolist(), placed.places[:, 0].tolist(), strict=True))
     for frames in (begins, ends[::-1]):
         own = np.array([rows[frame] for frame in frames.tolist()])
         still = rests(times_s[frames], own, radius_px)
         kept &= ~np.isin(placed.frames, frames[:still])
     return placed.of(kept)
-
-
-def _outer(chain: Chain) -> tuple[Arc, Arc]:
-    return chain.arcs[0], chain.arcs[-1]
 
 
 def _last_change(coefficients: Sequence[Floats]) -> Floats:

@@ -33,6 +33,9 @@ MOST_BY_RADIUS = 2.0
 """Of the radius's change: a place whose rim is seen on one side alone moves by about 1 of it."""
 LIGHT = 2
 """Which of the shifts is that by all of the ball's light."""
+LEAST_RIMS, MOST_RIM_SCATTER, RIM_SIGMA = 5, 0.02, 0.003
+"""Rims that say where a ball is; how far they scatter beside its flights at most, and the least
+error of their middle, of the radius."""
 MOST_BY_LIGHT = 0.03
 """Of the radius: a smooth shading that is further off than that has lost the rim."""
 
@@ -206,7 +209,48 @@ def _about_a_curve(placed: Placed, times_s: Floats) -> Floats:
     return larger
 
 
-def shifts(looks: Looks, taught: tuple[Placed, Placed, Placed], flights: Flights) -> Floats:
+@dataclass(frozen=True, slots=True, eq=False)
+class RimsOff:
+    """By how much rims lie beside places that were fitted to all of a ball's light, px, shape (2,).
+
+    Attributes
+    ----------
+    shift
+        In the middle of some frames.
+    sigma
+        Its standard error: rims of one film err alike, so that many are no surer than one.
+    """
+
+    shift: Floats
+    sigma: Floats
+
+
+def rims_off(looks: Looks, motion: Motion) -> RimsOff | None:
+    """Return by how much rims lie beside the places of a motion; None where that is not clear.
+
+    A ball that is lit from one side fades into the ground, and a smooth shading moves it towards
+    the light. Its rim does not move: where it was found, it is sought by its sharpness. A rim that
+    is hidden or smeared lies off by itself.
+    """
+    where = {int(frame): place for frame, place in zip(motion.frames, motion.places, strict=True)}
+    off = np.array(
+        [(disc.row, disc.column) - where[frame] for frame, disc in looks.seen if frame in where]
+    )
+    if len(off) < LEAST_RIMS:
+        return None
+    shift = np.median(off, axis=0)
+    scatter = 1.4826 * np.median(np.abs(off - shift), axis=0)
+    if scatter.max() > MOST_RIM_SCATTER * looks.radius_px:
+        return None
+    return RimsOff(shift, np.hypot(scatter, RIM_SIGMA * looks.radius_px))
+
+
+def shifts(
+    looks: Looks,
+    taught: tuple[Placed, Placed, Placed],
+    flights: Flights,
+    by_rims: RimsOff | None,
+) -> Floats:
     """Return by how much each place moves with the ball's radius and with its light.
 
     A smooth shading alone takes part of a limb's fading for the rim. Radius and light move all
@@ -217,6 +261,8 @@ def shifts(looks: Looks, taught: tuple[Placed, Placed, Placed], flights: Flights
     taught
         Places fitted before the film had taught the ball's light, before it taught that last, and
         with all that it taught.
+    by_rims
+        Where the light was learned where the ball's rims are; else None.
 
     Returns
     -------
@@ -227,10 +273,13 @@ def shifts(looks: Looks, taught: tuple[Placed, Placed, Placed], flights: Flights
     leans = np.zeros_like(placed.places) if placed.leans is None else placed.leans
     bare, earlier, last = taught
     by_last = _moved(last.frames, last.places, earlier)[np.isin(last.frames, placed.frames)]
-    by_light = _moved(placed.frames, placed.places, bare)
     most = MOST_BY_LIGHT * looks.radius_px
+    if by_rims is None:
+        by_light = _at_most(_moved(placed.frames, placed.places, bare), most)
+    else:
+        by_light = np.broadcast_to(by_rims.sigma, placed.places.shape)
     by_size = leans * max(looks.radius_sigma_px / looks.radius_px, flights.disagreement)
-    return np.stack([by_size, _at_most(by_last, most), _at_most(by_light, most)])
+    return np.stack([by_size, _at_most(by_last, most), by_light])
 
 
 def _change(frames: NDArray[np.intp], left: Floats, other: Placed) -> Floats:

@@ -96,6 +96,18 @@ def test_places_of_a_ball_lit_from_one_side_have_its_radius_s_error_without_a_bo
     assert abs(diameter["value"] - 2 * RADIUS) < 3 * diameter["sigma"]
 
 
+def test_places_of_a_ball_that_fades_into_the_ground_are_where_its_rims_are(
+    tmp_path: Path, capsys: Capsys
+) -> None:
+    """A smooth shading alone has them nearer to the light."""
+    rows = bouncing()
+    shot = analysed(odd_films.lit_from_above(rows), tmp_path, capsys)
+    placed = shot["positions"]
+    off = np.array(placed["row_px"]) - np.array(rows)[placed["frame"]]
+    assert abs(np.median(off)) < 0.12
+    assert is_true(shot["impacts"][0], 0.8)
+
+
 def test_a_ball_that_comes_back_from_above_the_picture_is_in_one_flight(
     tmp_path: Path, capsys: Capsys
 ) -> None:

@@ -10,9 +10,13 @@ from numpy.typing import NDArray
 
 from analysis.arrays import Floats
 from analysis.balls.seen.photometry import (
+    GROUND,
     LAYERS,
+    LEAST_COVER,
+    LIGHT,
     MAP_SIDE,
     RESIDUAL,
+    TERMS,
     WEIGHT,
     add_light,
     cover,
@@ -203,14 +207,33 @@ class Placer:
     ) -> None:
         """Learn what the smooth shading leaves of the ball's light, from all frames together."""
         sums = np.zeros((2, MAP_SIDE, MAP_SIDE))
-        some = windows[:: max(1, len(windows) // TEACHING_FRAMES)]
-        for window, fit, pose in self._fits(some, motion, row_time_s):
+        for window, fit, pose in self._fits(_teaching(windows), motion, row_time_s):
             if fit[5] <= 0 or window.factor * fit[6] > FURTHEST_RADII * self.radius_px:
                 continue
             covered = np.empty((LAYERS, *window.pixels.shape[1:]))
             pose[:2] = fit[:2]
             cover(pose, self.table, covered)
             add_light(window.pixels[RESIDUAL].copy(), covered[0].copy(), pose, sums)
+        self._teach(sums)
+
+    def learn_light_at(
+        self, windows: Sequence[Window], motion: Motion, row_time_s: float = 0.0
+    ) -> None:
+        """Learn the ball's light where it is said to be, not where a fit without it has it.
+
+        A ball that is lit from one side fades into the ground: a smooth shading alone moves it
+        towards the light, and a light that is learned there keeps it there.
+        """
+        sums = np.zeros((2, MAP_SIDE, MAP_SIDE))
+        for window, pose in self._poses(_teaching(windows), motion, row_time_s):
+            covered = np.empty((LAYERS, *window.pixels.shape[1:]))
+            cover(pose, self.table, covered)
+            left = _without_shading(window, covered)
+            if left is not None:
+                add_light(left, covered[0].copy(), pose, sums)
+        self._teach(sums)
+
+    def _teach(self, sums: Floats) -> None:
         known = sums[1] > LEAST_CELL
         self.table = self.table + np.where(known, sums[0] / np.maximum(sums[1], LEAST_CELL), 0.0)
 
@@ -218,6 +241,15 @@ class Placer:
         self, windows: Sequence[Window], motion: Motion, row_time_s: float
     ) -> list[tuple[Window, Floats, Floats]]:
         """Fit the ball in each window; return window, fit and the pose that the fit began with."""
+        return [
+            (window, fit_place(window.pixels, pose, self.table), pose)
+            for window, pose in self._poses(windows, motion, row_time_s)
+        ]
+
+    def _poses(
+        self, windows: Sequence[Window], motion: Motion, row_time_s: float
+    ) -> list[tuple[Window, Floats]]:
+        """Return each window with the pose of the ball that moves so."""
         index = {int(frame): k for k, frame in enumerate(motion.frames)}
         found = []
         for window in windows:
@@ -225,9 +257,30 @@ class Placer:
             later = float(np.clip(row_time_s * motion.speeds[k, 0], -0.5, 0.5))
             shape = [self.radius_px / window.factor, self.blur_px, 1.0 / (1.0 - later)]
             way = self.exposure_s / window.factor * motion.speeds[k]
-            pose = np.array([*window.inward(motion.places[k]), *shape, *way])
-            found.append((window, fit_place(window.pixels, pose, self.table), pose))
+            found.append((window, np.array([*window.inward(motion.places[k]), *shape, *way])))
         return found
+
+
+def _teaching(windows: Sequence[Window]) -> Sequence[Window]:
+    """Return the windows of some frames, which teach the ball's light."""
+    return windows[:: max(1, len(windows) // TEACHING_FRAMES)]
+
+
+def _without_shading(window: Window, covered: Floats) -> Floats | None:
+    """Return what the ground, the learned light and the best smooth shading leave of a window.
+
+    Shape (rows, columns); None where the ball covers too little of it.
+    """
+    share, learned = covered[0], covered[LIGHT]
+    light, ground, weights = window.pixels[0], window.pixels[GROUND], window.pixels[WEIGHT]
+    left = light - ground * (1.0 - share) - learned
+    own = (share > LEAST_COVER) & (weights > 0.0)
+    if own.sum() < 3 * TERMS:
+        return None
+    root = np.sqrt(weights[own])
+    terms = covered[:TERMS]
+    best = np.linalg.lstsq((terms[:, own] * root).T, left[own] * root, rcond=None)[0]
+    return np.asarray(left - np.tensordot(best, terms, axes=1))
 
 
 def _left(window: Window) -> float:
