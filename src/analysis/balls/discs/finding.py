@@ -106,7 +106,7 @@ def find_balls(
 
 @dataclass(frozen=True, slots=True)
 class _Sought:
-    """Radii in pixels, log10 of the false alarms allowed, width of the edges' filter."""
+    """What `find_balls` is asked for: `least` is log10 of the false alarms allowed."""
 
     radii: tuple[float, float]
     least: float
@@ -162,8 +162,7 @@ def _of_versions(values: Singles, sought: _Sought, versions: tuple[int | None, .
         accepted = [disc for disc in sharp if disc.log_alarms < sought.least]
     whole = [disc for disc in accepted if not any(_on(disc, other) for other in accepted)]
     # The border of what is lit, or saturated, on a sphere is a circle too, next to its rim or not.
-    whole = [disc for disc in whole if not any(_same_rings(disc, other) for other in whole)]
-    refined = [_refined(values, disc, sought.sigma_px) for disc in whole]
+    refined = [_refined(values, disc, sought.sigma_px) for disc in _rims(whole)]
     # Two circles within one rim may both have led to it.
     return [disc for k, disc in enumerate(refined) if not any(_one(disc, o) for o in refined[:k])]
 
@@ -239,7 +238,16 @@ def _on(small: Disc, large: Disc) -> bool:
     return small.radius < PRINT * large.radius and apart < large.radius
 
 
-def _same_rings(disc: Disc, other: Disc) -> bool:
+def _rims(discs: list[Disc]) -> list[Disc]:
+    """Return the discs of circles within one another that are rims, from the outermost on."""
+    kept: list[Disc] = []
+    for disc in sorted(discs, key=lambda each: -each.radius):
+        if not any(_no_rim(disc, other) for other in kept):
+            kept = [*(other for other in kept if not _no_rim(other, disc)), disc]
+    return [disc for disc in discs if any(disc is other for other in kept)]
+
+
+def _no_rim(disc: Disc, other: Disc) -> bool:
     """Return whether of two circles, one within the other, this is the one that is no rim.
 
     Where a sphere of such a size would be wholly in front of another, it hides most of it. The

@@ -54,8 +54,6 @@ OF_SCATTER, OF_HALVES, OF_SHIFT, OF_WIDEST, OF_RIVAL = 2.0, 0.25, 0.35, 0.5, 0.2
 """Share of each in an error: see `_errors`."""
 CENTRE_AND_RADIUS = np.array([[0.5, 0.5, 0.0], [0.5, 0.5, 0.0], [0.0, 0.0, 1.0]])
 """Mean square of the changes of row and column, for both; that of the radius."""
-
-
 ASIDE, RIM_STEP = 2.5, 0.5
 """How far beside a circle its rim is looked for, in the filter's widths, and in which steps."""
 
@@ -112,8 +110,9 @@ def fit_rim(values: Singles, place: Floats, sigma_px: float) -> tuple[Floats, Fl
 def sharpness(values: Singles, place: Floats, sigma_px: float) -> float:
     """Return how much stronger a narrow filter sees a rim than one `WIDER` times as wide.
 
-    A step that the filter alone blurs has `WIDER`, a slope that is wider than both has 1. The
-    median about the rim counts, so that what hides a part of it, or a smear along it, does not.
+    A step that the filter alone blurs has `WIDER`, a slope that is wider than both has 1; noise of
+    single pixels has more than both, and by itself makes no circle. The median about the rim
+    counts, so that what hides a part of it, or a smear along it, does not.
 
     Parameters
     ----------

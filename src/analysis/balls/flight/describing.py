@@ -117,6 +117,8 @@ def _covariance(problem: Problem, values: Floats, slopes: Floats, errors: Floats
 
     Parameters
     ----------
+    values
+        The fit's numbers, shape (P,).
     slopes, errors
         Of the places that count, shapes (N, 2, P) and (N, 2).
     """

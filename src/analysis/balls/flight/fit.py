@@ -53,8 +53,8 @@ def fit_flights(
     before
         A fit of nearly the same places, to go on from.
     other_falls
-        Whether flights that end far from the places are sought with other falls too. With times
-        that are only tried none fits, and that costs most of the work.
+        Whether flights that end far from the places are sought with other falls too. Of times that
+        are only tried hardly any fit, and that costs most of the work.
 
     Returns
     -------

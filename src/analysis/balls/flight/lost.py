@@ -110,12 +110,14 @@ def find_gap(observed: Observed, start: Start, known: Known, flights: Flights) -
     most: tuple[int, float] = flights.bounces, LEAST_GAIN
     best: Gap | None = None
     unsure = np.zeros(flights.bounces)
+    # Of a diameter that contradicts gravity the right times fit with another fall alone.
+    other = flights.contradiction
     for gap in _worth(observed, start, flights, period):
         late = observed.frames >= gap.frame
         times = observed.times_s + late * gap.count * period
         later = start.times_s > observed.times_s[late].min() - 0.5 * period
         begun = replace(start, times_s=start.times_s + later * gap.count * period)
-        fitted = fit_flights(replace(observed, times_s=times), begun, known, other_falls=False)
+        fitted = fit_flights(replace(observed, times_s=times), begun, known, other_falls=other)
         if fitted is None or fitted.bounces < flights.bounces or _elsewhere(flights, fitted):
             continue
         gain = _gain(flights, fitted)
@@ -305,8 +307,8 @@ def _gain(flights: Flights, fitted: Flights) -> float:
     """Return by how much nearer places lie to fitted flights than to others, squared, in errors.
 
     Of places that one of both goes through; far ones count no more than FARTHEST. What it gains at
-    places that the others leave out does not count where it costs those that both go through, or
-    where any time may be right for so few: over a shadow single places lie off by themselves.
+    places that the others leave out does not count where it costs those that both go through,
+    or where any time may be right for so few: over a shadow single places lie off by themselves.
 
     The errors are those of the fitted flights, and the sum is formed twice, the larger counts: once
     with each place's own error, and once with the median of all. Near the plate, where a ball lies
@@ -322,10 +324,10 @@ def _gain(flights: Flights, fitted: Flights) -> float:
         far, near = left / errors, better / errors
         gain = np.minimum(far, FARTHEST) ** 2 - np.minimum(near, FARTHEST) ** 2
         shared = float(gain[before & after].sum())
-        alone = float(gain[before ^ after].sum())
+        won, lost = (float(gain[own].sum()) for own in (after & ~before, before & ~after))
         chance = np.minimum(1.0, NEAR_BY / far[after & ~before].max(axis=1)).prod()
-        if shared >= -MOST_COST * alone:
-            most = max(most, shared + (alone if chance < MOST_CHANCE else 0.0))
+        if shared >= -MOST_COST * (won + lost):
+            most = max(most, shared + lost + (won if chance < MOST_CHANCE else 0.0))
     return most
 
 

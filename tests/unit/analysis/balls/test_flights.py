@@ -292,9 +292,11 @@ def test_a_diameter_that_sightings_alone_contradict_counts_again_once_places_are
     assert found.scale_px_per_m == pytest.approx(SCALE, rel=0.003)
 
 
-@pytest.mark.parametrize(("first", "count"), [(40, 1), (100, 2)])
-def test_frames_that_are_missing_are_found_where_and_as_many_as_they_are(
-    first: int, count: int
+@pytest.mark.parametrize(
+    ("first", "count", "stated"), [(40, 1, 1.0), (100, 2, 1.0), (30, 1, 2.0), (30, 1, 0.5)]
+)
+def test_frames_that_are_missing_are_found_whatever_diameter_is_stated(
+    first: int, count: int, stated: float
 ) -> None:
     whole = parabolas(np.random.default_rng(10))
     kept = np.delete(np.arange(len(whole.frames)), np.arange(first, first + count))
@@ -303,9 +305,10 @@ def test_frames_that_are_missing_are_found_where_and_as_many_as_they_are(
     begun = start()
     late = begun.times_s > first / RATE
     begun = replace(begun, times_s=begun.times_s - late * count / RATE)
-    flights = fit_flights(lacking, begun, known())
+    ball = known(diameter_m=0.04 * stated)
+    flights = fit_flights(lacking, begun, ball)
     assert flights is not None
-    assert find_gap(lacking, begun, known(), flights).gap == Gap(first, count)
+    assert find_gap(lacking, begun, ball, flights).gap == Gap(first, count)
 
 
 def test_no_frames_are_missing_from_a_film_that_is_whole() -> None:
