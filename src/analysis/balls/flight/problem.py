@@ -53,7 +53,7 @@ GAIN_SHARE, GAIN_SIGMA = 0.2, 0.12
 """Of a ball's drift along the line of sight: friction takes between nothing and 2/5 of it at a
 bounce of a ball without spin; the middle, and its standard error."""
 MOST_SIGMAS = 2.0
-"""Of a camera's tilt and of a ball's speed along the line of sight, beyond which they are none."""
+"""Of a camera's tilt and of a ball's speeds along the line of sight, beyond which they are none."""
 FURTHEST_UNITS = 1e4
 """From where a fit begins to what is far beyond belief: a hundred times a speed."""
 BARE_SHARE = 0.02
@@ -110,12 +110,13 @@ class Problem:
         by_friction = (told[1:-1] - (1.0 - GAIN_SHARE) * told[:-2]) / gains[:, None]
         self.drifts = np.vstack([by_sizes.weights @ told, by_friction])
         self.drifts_target = np.concatenate([by_sizes.target, np.zeros(self.bounces)])
-        # Not what friction changes of a drift: that is known about a share of the drift, not 0.
-        self.far = np.array([path.PERSPECTIVE, path.DEPTH])
-        # As they would be at the likeliest focal length; sigmas hold that it is not known.
+        # As they would be at the likeliest focal length; errors hold that it is not known.
         self.likeliest, spread = view.aslant(self.scale)
-        far_sigmas = np.array([LOOK_SIGMA * per_focal, receding])
-        self.far_sigmas = far_sigmas * math.exp(-0.25 * spread**2)
+        tilt, speed = np.zeros(count), np.zeros(count)
+        tilt[path.PERSPECTIVE], speed[path.DEPTH] = 1.0 / (LOOK_SIGMA * per_focal), 1.0 / receding
+        # Friction takes a share of a drift, which may itself be as large as is believed.
+        by_share = by_friction / MOST_SIGMAS
+        self.far = np.vstack([tilt, speed, by_share]) * math.exp(0.25 * spread**2)
         self.units = self._units()
         self.units[path.COMMON + 2 :: path.EACH] = gains
         # What no place that counts depends on would run away.
@@ -126,20 +127,19 @@ class Problem:
         self.exposure = view.exposure_s
 
     def beyond(self, values: Floats) -> tuple[Floats, Floats]:
-        """Return by how much the tilt and the speed along the line of sight are beyond belief.
+        """Return by how much tilt and speeds along the line of sight are beyond belief, in errors.
 
         Perspective is the tilt over the focal length, and a drift is a speed over it: an endless
         lens would let both be of any size, and what drifts away would rise as fast as balls do.
 
         Returns
         -------
-        What is beyond MOST_SIGMAS, in errors, shape (2,), and its derivatives, shape (2, P).
+        What is beyond MOST_SIGMAS, shape (B + 2,), and its derivatives, shape (B + 2, P).
         """
         nearer = math.exp(0.5 * (float(values[path.ASLANT]) - self.likeliest))
-        each = values[self.far] / (nearer * self.far_sigmas)
+        slopes = self.far / nearer
+        each = slopes @ values
         over = np.sign(each) * np.maximum(0.0, np.abs(each) - MOST_SIGMAS)
-        slopes = np.zeros((len(each), len(values)))
-        slopes[np.arange(len(each)), self.far] = 1.0 / (nearer * self.far_sigmas)
         slopes[:, path.ASLANT] -= 0.5 * each
         return over, np.where(over[:, None] != 0.0, slopes, 0.0)
 
