@@ -221,7 +221,9 @@ def test_a_film_of_noise_is_not_taken_for_an_interlaced_one(tmp_path: Path, caps
 @pytest.mark.parametrize(
     "changes",
     [
-        pytest.param(lambda t: t + 0.01 * np.sin(6.0 * t), id="a rate that drifts"),
+        pytest.param(
+            lambda t: t + 0.2 * np.maximum(t - 68 / RATE, 0.0), id="a slower rate after a bounce"
+        ),
         *(
             pytest.param(change, id=name, marks=pytest.mark.long)
             for name, change in {
@@ -229,7 +231,7 @@ def test_a_film_of_noise_is_not_taken_for_an_interlaced_one(tmp_path: Path, caps
                 "half the rate at a bounce": lambda t: t + np.maximum(t - 84 / RATE, 0.0),
                 "half the rate after a bounce": lambda t: t + np.maximum(t - 76 / RATE, 0.0),
                 "twice the rate after a bounce": lambda t: t - 0.5 * np.maximum(t - 108 / RATE, 0),
-                "a slower rate after a bounce": lambda t: t + 0.2 * np.maximum(t - 68 / RATE, 0.0),
+                "a rate that drifts": lambda t: t + 0.01 * np.sin(6.0 * t),
             }.items()
         ),
     ],

@@ -293,7 +293,13 @@ def test_a_diameter_that_sightings_alone_contradict_counts_again_once_places_are
 
 
 @pytest.mark.parametrize(
-    ("first", "count", "stated"), [(40, 1, 1.0), (100, 2, 1.0), (30, 1, 2.0), (30, 1, 0.5)]
+    ("first", "count", "stated"),
+    [
+        (40, 1, 1.0),
+        (100, 2, 1.0),
+        (30, 1, 0.5),
+        pytest.param(30, 1, 2.0, marks=pytest.mark.long),
+    ],
 )
 def test_frames_that_are_missing_are_found_whatever_diameter_is_stated(
     first: int, count: int, stated: float
