@@ -13,51 +13,19 @@ from analysis.balls.flight import path
 from analysis.balls.flight.describing import described
 from analysis.balls.flight.fit import fit_flights
 from analysis.balls.flight.flights import Flights, Observed, Start
-from analysis.balls.flight.known import Ball, Known, View
-from analysis.balls.flight.lost import find_gap, unsure_e
+from analysis.balls.flight.known import Ball
 from analysis.balls.flight.problem import Problem
-from analysis.balls.gaps import Gap
 from analysis.balls.systematics import apart_sigmas, whole_sigmas
-
-SCALE, FALL = 1000.0, 9806.65
-PLATE, RATE = 400.0, 240.0
-BOUNCES = [(0.3, 2.4, 1.9), (0.3 + 2 * 1.9 / 9.80665, 1.9, 1.45)]
-NOISE = 0.02
-Law = list[tuple[float, float, float]]
-"""Of each bounce time, speed towards the plate and away, m/s."""
-
-
-def parabolas(
-    rng: np.random.Generator, law: Law = BOUNCES, lasts_s: float = 0.95, noise: float = NOISE
-) -> Observed:
-    """Places of a ball in a vacuum: pieces of parabolas that meet the plate."""
-    times = np.arange(0, lasts_s, 1 / RATE)
-    rows = np.empty(len(times))
-    for k, t in enumerate(times):
-        past = [b for b in law if b[0] <= t]
-        if past:
-            begun, _, up = past[-1]
-            rows[k] = PLATE - SCALE * up * (t - begun) + 0.5 * FALL * (t - begun) ** 2
-        else:
-            begun, down, _ = law[0]
-            rows[k] = PLATE + SCALE * down * (t - begun) + 0.5 * FALL * (t - begun) ** 2
-    places = np.stack([rows, 100 + 20 * times], axis=1)
-    places += noise * rng.standard_normal(places.shape)
-    return Observed(np.arange(len(times)), times, places, np.full(places.shape, NOISE))
-
-
-def start(law: Law = BOUNCES) -> Start:
-    """A first guess that is off by a few per cent, as sightings give it."""
-    times = np.array([b[0] for b in law]) + 0.001
-    down = np.array([[SCALE * b[1] * 1.02, 20.0] for b in law])
-    up = np.array([[-SCALE * b[2] * 0.98, 20.0] for b in law])
-    places = np.array([[PLATE + 2, 106.0], [PLATE - 1, 114.0], [PLATE, 120.0]])
-    return Start(times, places[: len(law)], down, up)
-
-
-def known(diameter_m: float = 0.04, exposure_s: float = 0.0) -> Known:
-    ball = Ball(diameter_m, density=7800.0, air_density=0.0001)
-    return Known(ball, View(480, 200, 1 / RATE, exposure_s), radius_px=20.0)
+from tests.unit.analysis.balls.parabolas import (
+    BOUNCES,
+    FALL,
+    PLATE,
+    RATE,
+    SCALE,
+    known,
+    parabolas,
+    start,
+)
 
 
 def coefficients(flights: Flights) -> list[tuple[float, float]]:
@@ -290,69 +258,6 @@ def test_a_diameter_that_sightings_alone_contradict_counts_again_once_places_are
     assert found is not None
     assert not found.contradiction
     assert found.scale_px_per_m == pytest.approx(SCALE, rel=0.003)
-
-
-@pytest.mark.parametrize(
-    ("first", "count", "stated"),
-    [
-        (40, 1, 1.0),
-        (100, 2, 1.0),
-        (30, 1, 0.5),
-        pytest.param(30, 1, 2.0, marks=pytest.mark.long),
-    ],
-)
-def test_frames_that_are_missing_are_found_whatever_diameter_is_stated(
-    first: int, count: int, stated: float
-) -> None:
-    whole = parabolas(np.random.default_rng(10))
-    kept = np.delete(np.arange(len(whole.frames)), np.arange(first, first + count))
-    times = whole.times_s[: len(kept)]
-    lacking = replace(whole.of(kept), frames=np.arange(len(kept)), times_s=times)
-    begun = start()
-    late = begun.times_s > first / RATE
-    begun = replace(begun, times_s=begun.times_s - late * count / RATE)
-    ball = known(diameter_m=0.04 * stated)
-    flights = fit_flights(lacking, begun, ball)
-    assert flights is not None
-    assert find_gap(lacking, begun, ball, flights).gap == Gap(first, count)
-
-
-def test_no_frames_are_missing_from_a_film_that_is_whole() -> None:
-    whole = parabolas(np.random.default_rng(11))
-    flights = fit_flights(whole, start(), known())
-    assert flights is not None
-    found = find_gap(whole, start(), known(), flights)
-    assert found.gap is None
-    assert found.unsure_e == pytest.approx(0.0)
-    assert unsure_e(flights) == pytest.approx(0.0)
-
-
-@pytest.mark.parametrize(
-    ("seed", "noise", "bounce", "beside", "steps"),
-    [(58, 0.6, 0, 1, 1.18), (30, 0.3, 1, 1, 1.02), (5, 0.3, 1, -1, 1.11), (59, 0.6, 0, 1, 1.89)],
-)
-def test_one_place_that_lies_off_beside_a_bounce_does_not_say_that_frames_are_missing(
-    seed: int, noise: float, bounce: int, beside: int, steps: float
-) -> None:
-    """By about as much as the ball goes on in a frame or two, as over a shadow."""
-    whole = parabolas(np.random.default_rng(seed), noise=noise)
-    places, (time, _, up) = whole.places.copy(), BOUNCES[bounce]
-    places[int(np.searchsorted(whole.times_s, time)) + beside, 0] += steps * SCALE * up / RATE
-    off = replace(whole, places=places, sigmas=np.full(places.shape, noise))
-    flights = fit_flights(off, start(), known())
-    assert flights is not None
-    assert find_gap(off, start(), known(), flights).gap is None
-
-
-def test_a_fit_of_other_bounces_does_not_say_that_frames_are_missing_from_these() -> None:
-    whole = parabolas(np.random.default_rng(12))
-    between = 0.5 * (BOUNCES[0][0] + BOUNCES[1][0])
-    early, late = whole.of(whole.times_s < between), whole.of(whole.times_s >= between)
-    flights = fit_flights(early, start(BOUNCES[:1]), known())
-    assert flights is not None
-    begun = start(BOUNCES[1:])
-    begun = replace(begun, times_s=begun.times_s + 0.01)
-    assert find_gap(late, begun, known(), flights).gap is None
 
 
 LASTS_S, FIRST = 2e-4, 1.5
