@@ -11,7 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.arrays import Floats, Singles
-from analysis.balls.discs.gradient import RADIUS_STEP, SIGMA_PX, Gradient, candidates, gradient
+from analysis.balls.discs.gradient import (
+    RADIUS_STEP,
+    SIGMA_PX,
+    Gradient,
+    candidates,
+    evened,
+    gradient,
+)
 from analysis.balls.discs.judging import (
     LEAST_SECTORS,
     PASSES,
@@ -100,8 +107,9 @@ def find_balls(
     """
     sought = _Sought(radii_px, least, SIGMA_PX if sigma_px is None else sigma_px, blotched)
     values = np.ascontiguousarray(np.atleast_3d(picture), dtype=np.float32)
-    changed = (cv2.MORPH_CLOSE, cv2.MORPH_OPEN) if blotched else ()
-    return _of_versions(values, sought, (None, *changed))
+    if not blotched:
+        return _of_versions(values, sought, (None,))
+    return _of_versions(evened(values), sought, (None, cv2.MORPH_CLOSE, cv2.MORPH_OPEN))
 
 
 @dataclass(frozen=True, slots=True)

@@ -101,6 +101,12 @@ STRONG_QUANTILE = 0.998
 LEAST_OF_STRONG = 0.02
 """An edge has this share at least of the picture's strongest ones."""
 
+CHANGE_PX, CALMER_ROUNDS, LEAST_EVENED_PX = 3, 4, 24
+"""Pixels over which a ground's changes of colour are seen, as noise of single pixels is none; how
+often its calmer half is chosen anew; and the smallest picture that shows a ground."""
+LEAST_SPREAD = 1e-3
+"""Of the largest variance of a ground's changes: what a grey picture lacks is no colour."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Gradient:
@@ -141,6 +147,45 @@ def gradient(picture: Singles, sigma_px: float = SIGMA_PX) -> Gradient:
     strong = float(np.quantile(size, STRONG_QUANTILE))
     threshold = max(LEAST_OF_NOISE * noise, LEAST_OF_STRONG * strong, 1e-9)
     return Gradient(field, _ridges(field, threshold), threshold)
+
+
+def evened(picture: Singles) -> Singles:
+    """Return a picture in colours that its ground changes more evenly.
+
+    Light, shade and grain of a ground change all channels together and hide the rim of a ball that
+    is as bright and of another hue. With C the covariance of the changes of the picture's calmer
+    half, its colours are multiplied by C^(-1/4): halfway to colours in which the ground changes
+    equally (C^(-1/2)), as a ball of the ground's own hue shows by its brightness alone.
+
+    Parameters
+    ----------
+    picture
+        Shape (rows, columns, channels), any unit. One of a single channel is returned as it is.
+    """
+    rows, columns, channels = picture.shape
+    if channels == 1 or min(rows, columns) < LEAST_EVENED_PX:
+        return picture
+    size = (columns // CHANGE_PX, rows // CHANGE_PX)
+    small = np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.float64)
+    changes = np.concatenate([np.diff(small, axis=k).reshape(-1, channels) for k in (0, 1)])
+    calm = changes
+    for _ in range(CALMER_ROUNDS):
+        spread, axes = _spread(calm)
+        if not spread.any():
+            return picture
+        far = ((changes @ (axes / np.sqrt(spread))) ** 2).sum(axis=1)
+        calm = changes[far <= np.median(far)]
+    spread, axes = _spread(calm)
+    if not spread.any():
+        return picture
+    colours = (axes * spread**-0.25) @ axes.T
+    return np.ascontiguousarray(picture @ colours.astype(np.float32))
+
+
+def _spread(changes: Floats) -> tuple[Floats, Floats]:
+    """Return the variances of changes along their main axes, and the axes as columns."""
+    spread, axes = np.linalg.eigh(changes.T @ changes / len(changes))
+    return np.maximum(spread, LEAST_SPREAD * spread.max()), axes
 
 
 def gradient_field(picture: Singles, sigma_px: float) -> Singles:

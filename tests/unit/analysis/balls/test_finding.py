@@ -136,3 +136,15 @@ def test_soft_blotches_of_a_ground_are_no_discs(width: float, seed: int) -> None
     assert not find_balls(
         drawings.grey(110.0 + 25.0 * blotches / blotches.std() + noise), (8.0, 60.0)
     )
+
+
+@pytest.mark.parametrize("seed", [0, 8])
+def test_a_ball_as_bright_as_its_shaded_ground_is_found_by_its_hue(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    shade = np.asarray(cv2.GaussianBlur(rng.normal(0.0, 1.0, (140, 160)), (0, 0), 3.0))
+    ground = 100.0 + 30.0 * shade / shade.std()
+    ball = cv2.GaussianBlur(drawings.coverage((60.3, 64.8, 22.0), (140, 160)), (0, 0), 0.6)
+    channels = [ground + change * ball for change in (24.0, -24.0, 6.0)]
+    picture = np.stack(channels, axis=2) + rng.normal(0.0, 1.5, (140, 160, 3))
+    (disc,) = find_balls(np.clip(np.rint(picture), 0, 255).astype(np.uint8), (8.0, 40.0))
+    assert (disc.row, disc.column, disc.radius) == pytest.approx((60.3, 64.8, 22.0), abs=0.3)
