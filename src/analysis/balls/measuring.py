@@ -213,8 +213,8 @@ def _measured(
         row_time = float(flights.values[path.ROW_TIME])
         if exposure_s is None:
             told = placer.learn_exposure(own, motion, period)
-        rims = rims_off(looks, motion) if repeat == 0 else None
-        by_rims = by_rims or rims
+        rims = rims_off(looks, motion)
+        by_rims = rims or by_rims
         motion = _learn_light(placer, (own, motion, row_time), rims)
         placer.learn_blur(own, motion)
         placed = placer.place(own, motion, row_time)
@@ -300,6 +300,8 @@ def _free(placed: Placed, chain: Chain) -> Placed:
     What lies over the ball, or moves beside it, leaves much of the light unexplained. That is told
     before the film has taught the ball's light: then so does a ball that is lit otherwise there.
     """
+    if not len(placed.frames):
+        return placed
     odd = placed.misfits > MUCH_LEFT * np.median(placed.misfits)
     first, last = chain.arcs[0], chain.arcs[-1]
     begins = odd & (placed.frames < first.frames[len(first.frames) // 2])

@@ -33,9 +33,13 @@ MOST_BY_RADIUS = 2.0
 """Of the radius's change: a place whose rim is seen on one side alone moves by about 1 of it."""
 LIGHT = 2
 """Which of the shifts is that by all of the ball's light."""
-LEAST_RIMS, MOST_RIM_SCATTER, RIM_SIGMA = 5, 0.02, 0.003
+LEAST_RIMS, MOST_RIM_SCATTER, RIM_SIGMA = 5, 0.02, 0.0015
 """Rims that say where a ball is; how far they scatter beside its flights at most, and the least
 error of their middle, of the radius."""
+CLEAR_SHIFT = 3.0
+"""In scatters: rims that lie further off scatter with the places, which are then wrong."""
+OF_SIZE = 0.3
+"""Of what a wrong radius moves all places by: what is left of it once they lie at the rims."""
 MOST_BY_LIGHT = 0.03
 """Of the radius: a smooth shading that is further off than that has lost the rim."""
 
@@ -240,7 +244,8 @@ def rims_off(looks: Looks, motion: Motion) -> RimsOff | None:
         return None
     shift = np.median(off, axis=0)
     scatter = 1.4826 * np.median(np.abs(off - shift), axis=0)
-    if scatter.max() > MOST_RIM_SCATTER * looks.radius_px:
+    clear = max(MOST_RIM_SCATTER * looks.radius_px, math.hypot(*shift) / CLEAR_SHIFT)
+    if scatter.max() > clear:
         return None
     return RimsOff(shift, np.hypot(scatter, RIM_SIGMA * looks.radius_px))
 
@@ -279,6 +284,8 @@ def shifts(
     else:
         by_light = np.broadcast_to(by_rims.sigma, placed.places.shape)
     by_size = leans * max(looks.radius_sigma_px / looks.radius_px, flights.disagreement)
+    if by_rims is not None:
+        by_size -= (1.0 - OF_SIZE) * np.median(by_size, axis=0)
     return np.stack([by_size, _at_most(by_last, most), by_light])
 
 

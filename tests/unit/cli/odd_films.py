@@ -154,6 +154,22 @@ def turning(sway: tuple[float, float] = (0.0, 0.0), count: int = 60) -> list[Dra
     return shown
 
 
+def in_a_holder(shown: list[Drawn]) -> list[Drawn]:
+    """Put a holder over the lower part of a ball at (100, 60), and edges that flicker far from it.
+
+    Codecs make edges flicker that stand still.
+    """
+    rng = np.random.default_rng(4)
+    held = []
+    for each in shown:
+        own = each.copy()
+        own[108:, 48:72] = 30
+        for edge in (own[4:24:2, 2:4], own[204:224:2, 112:114]):
+            edge[:] = np.where(rng.random(edge.shape) < 0.4, 150, 90)
+        held.append(own)
+    return held
+
+
 def lit_from_above(rows: list[float], column: float = 60.0) -> list[Drawn]:
     """Draw a ball whose light fades to that of the wall at its lower side: its rim ends before."""
     fine = 5

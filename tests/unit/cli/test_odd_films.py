@@ -248,9 +248,12 @@ def test_a_film_whose_rate_varies_without_times_is_not_believed(
     assert len(shot["positions"]["frame"]) > 60
 
 
-def turned(folder: Path, capsys: Capsys, sway: tuple[float, float]) -> tuple[Any, Any]:
+def turned(
+    folder: Path, capsys: Capsys, sway: tuple[float, float], *, held: bool = False
+) -> tuple[Any, Any]:
     """Return what is said of a drawn ball that turns, and its places, shape (frames, 2)."""
-    film = save(folder / "film", odd_films.turning(sway))
+    shown = odd_films.turning(sway)
+    film = save(folder / "film", odd_films.in_a_holder(shown) if held else shown)
     shot = answer(capsys, str(film), *SIZE, "--fps", "200")
     assert shot["status"] == "refused", shot
     return shot, np.array([shot["positions"][key] for key in ("row_px", "column_px")]).T
@@ -264,6 +267,15 @@ def test_a_ball_that_only_turns_is_said_and_its_places_stay_whatever_its_blotche
     assert places.shape == (60, 2)
     assert np.all(places.std(axis=0) < 0.048)
     assert places.mean(axis=0) == pytest.approx([100.0, 60.0], abs=0.1)
+
+
+def test_a_ball_that_turns_in_a_holder_beside_edges_that_flicker_is_said_to(
+    tmp_path: Path, capsys: Capsys
+) -> None:
+    shot, places = turned(tmp_path, capsys, (0.0, 0.0), held=True)
+    assert "turns on its place" in shot["reason"]
+    assert places.shape == (60, 2)
+    assert places.mean(axis=0) == pytest.approx([100.0, 60.0], abs=0.5)
 
 
 @pytest.mark.long

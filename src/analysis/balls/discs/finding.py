@@ -170,7 +170,7 @@ def _of_versions(values: Singles, sought: _Sought, versions: tuple[int | None, .
         accepted = [disc for disc in sharp if disc.log_alarms < sought.least]
     whole = [disc for disc in accepted if not any(_on(disc, other) for other in accepted)]
     # The border of what is lit, or saturated, on a sphere is a circle too, next to its rim or not.
-    refined = [_refined(values, disc, sought.sigma_px) for disc in _rims(whole)]
+    refined = [at_rim(values, disc, sought.sigma_px) for disc in _rims(whole)]
     # Two circles within one rim may both have led to it.
     return [disc for k, disc in enumerate(refined) if not any(_one(disc, o) for o in refined[:k])]
 
@@ -189,7 +189,7 @@ def _with_sharpness(values: Singles, disc: Disc, sought: _Sought) -> Disc:
     return replace(disc, log_alarms=disc.log_alarms - SHARPER * surer)
 
 
-def _refined(values: Singles, disc: Disc, sigma_px: float) -> Disc:
+def at_rim(values: Singles, disc: Disc, sigma_px: float) -> Disc:
     """Return a disc with its circle fitted to the edges of the whole picture, errors and all."""
     place = np.array([disc.row, disc.column, disc.radius])
     sigmas = np.array([disc.row_sigma, disc.column_sigma, disc.radius_sigma])

@@ -60,7 +60,7 @@ def fit_flights(
     -------
     The flights; None where no bounce has enough frames on both sides.
     """
-    while len(start.times_s):
+    while len(start.times_s) and len(observed.places):
         problem = Problem(observed, start, known)
         again = before is not None and before.bounces == problem.bounces
         first = problem.begin

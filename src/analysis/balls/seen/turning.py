@@ -17,19 +17,27 @@ from scipy.ndimage import maximum_filter1d
 from scipy.special import ndtr
 
 from analysis.arrays import Floats
-from analysis.balls.discs.finding import DOUBTFUL, Disc, find_balls
+from analysis.balls.discs.finding import DOUBTFUL, Disc, at_rim, find_balls
+from analysis.balls.discs.gradient import SIGMA_PX
 from analysis.balls.films.film import Film, FilmHead, Picture
 from analysis.balls.films.tone import light
 from analysis.balls.seen.looks import CHANGED_SIGMAS, changes_of, rim_weights
 from analysis.balls.seen.placing import Placed
 
 Ints = NDArray[np.intp]
+Flags = NDArray[np.bool_]
 STAYING = 0.15
 """Of the frames looked at: a pixel that has changed in so many changes on its place."""
-LEAST_STAYING, LEAST_WITHIN = 0.6, 0.85
-"""Of all changes: those on such pixels, and those within the disc."""
+LEAST_STAYING, LEAST_WITHIN, LEAST_WITHIN_OUTLINE = 0.6, 0.85, 0.75
+"""Of all changes: those on such pixels, those within a disc of the middle picture, and those within
+one that such pixels draw. A codec makes others."""
+SPREADS = 2.5
+"""How far a disc's pixels reach from their middle, in median distances from it: a codec changes
+others far away."""
 LEAST_CHANGES = 50
 """Pixels of all frames together."""
+NEAR = 0.15
+"""In radii: discs of changes and of the middle picture that lie so near are one."""
 OVER_RADII, OVER_PX = 1.05, 2.0
 """How far from a disc's centre a change may lie that is its own."""
 
@@ -55,37 +63,58 @@ def turning_ball(
     changes = int(counts.sum())
     if changes < LEAST_CHANGES or counts[staying].sum() < LEAST_STAYING * changes:
         return None
+    # Blotches draw the ball's outline, without what holds it and what lies behind. Its rim in the
+    # middle picture is sharper, and all that a ball of few blotches shows.
+    outline = np.where(staying, 255, 0).astype(np.uint8)[..., None]
+    drawn = _disc_of(outline, counts, staying, (radii_px, LEAST_WITHIN_OUTLINE))
+    own = _disc_of(ground, counts, staying, (radii_px, LEAST_WITHIN))
+    if drawn is None:
+        return own
+    if own is not None:
+        apart = np.hypot(drawn.row - own.row, drawn.column - own.column)
+        if max(apart, abs(drawn.radius - own.radius)) < NEAR * drawn.radius:
+            return own
+    return at_rim(np.ascontiguousarray(ground, dtype=np.float32), drawn, SIGMA_PX)
+
+
+def _disc_of(
+    picture: Picture, counts: Ints, staying: Flags, sought: tuple[tuple[float, float], float]
+) -> Disc | None:
+    """Return the surest disc of a picture that holds so large a share of all changes, if any."""
+    radii_px, least = sought
     rows, columns = np.nonzero(staying)
     middle = np.median(rows), np.median(columns)
-    for disc in _discs_about(ground, (rows, columns), radii_px):
-        reach = OVER_RADII * disc.radius + OVER_PX
+    row, column = np.mgrid[: picture.shape[0], : picture.shape[1]]
+    for disc in _discs_about(picture, (rows, columns), radii_px):
         if np.hypot(middle[0] - disc.row, middle[1] - disc.column) > disc.radius:
             continue
-        row, column = np.mgrid[: ground.shape[0], : ground.shape[1]]
-        own = np.hypot(row - disc.row, column - disc.column) < reach
-        if counts[own].sum() > LEAST_WITHIN * changes:
+        reach = OVER_RADII * disc.radius + OVER_PX
+        within = np.hypot(row - disc.row, column - disc.column) < reach
+        if counts[within].sum() > least * counts.sum():
             return disc
     return None
 
 
 def _discs_about(
-    ground: Picture, changed: tuple[Ints, Ints], radii_px: tuple[float, float]
+    picture: Picture, changed: tuple[Ints, Ints], radii_px: tuple[float, float]
 ) -> list[Disc]:
-    """Return discs of the middle picture where something changes on its place, as wide as it."""
-    low = [int(np.percentile(each, 3)) for each in changed]
-    high = [int(np.percentile(each, 97)) + 1 for each in changed]
+    """Return discs of a picture where something changes on its place, as wide as it."""
+    low, high = [], []
+    for each, length in zip(changed, picture.shape, strict=False):
+        middle = np.median(each)
+        reach = SPREADS * np.median(np.abs(each - middle)) + 1.0
+        low.append(max(0, int(middle - reach)))
+        high.append(min(length, int(middle + reach) + 1))
     # Blotches change nearly all of a ball, but some part of it may be hidden.
     margin = max(high[0] - low[0], high[1] - low[1])
     top, left = (max(0, each - margin) for each in low)
-    window = ground[top : high[0] + margin, left : high[1] + margin]
+    window = picture[top : high[0] + margin, left : high[1] + margin]
     radii = max(radii_px[0], 0.3 * margin), min(radii_px[1], 1.2 * margin)
     if radii[1] <= radii[0]:
         return []
     found = find_balls(window, radii, DOUBTFUL)
     return [replace(disc, row=disc.row + top, column=disc.column + left) for disc in found]
 
-
-Flags = NDArray[np.bool_]
 
 INSIDE_PX, OUTSIDE_PX = 3.0, 4.0
 """Of the rim: the band that is looked at."""

@@ -113,6 +113,11 @@ def test_no_bounce_with_frames_on_both_sides_gives_none() -> None:
     assert fit_flights(before, start(), known()) is None
 
 
+def test_no_places_give_no_flights() -> None:
+    nowhere = parabolas(np.random.default_rng(7)).of(np.zeros(228, dtype=bool))
+    assert fit_flights(nowhere, start(), known()) is None
+
+
 def test_places_that_were_fitted_with_a_wrong_radius_are_put_right() -> None:
     seen = parabolas(np.random.default_rng(8))
     # Of the light ball only the lower rim is seen before a light part of the wall.
