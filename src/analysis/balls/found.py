@@ -18,6 +18,8 @@ CLEAR_FRAMES = 12
 """Of flights that bend alike and meet in a bounce: what flies in so many is the ball."""
 MUCH_MORE = 1.25
 """Frames of flights that bend alike of less sure discs, over those of surer ones, that win."""
+AS_SURE = 0.8
+"""Weight of discs over that of others, of which neither are surer."""
 APART_RADII = 2.0
 """Between two balls: a ball's own light and shadow, taken for discs of other sizes, lie nearer."""
 HARDLY_SURE = 0.1
@@ -86,7 +88,9 @@ def best_of(seen: Sequence[Search]) -> Search:
     """
     best = seen[0]
     for one in seen[1:]:
-        if frames_of(one) > MUCH_MORE * frames_of(best) and not _hardly_seen(one, best):
+        as_sure = weight(one.looks.seen) > AS_SURE * weight(best.looks.seen)
+        enough = (1.0 if as_sure else MUCH_MORE) * frames_of(best)
+        if frames_of(one) > enough and not _hardly_seen(one, best):
             best = one
     others = [one for one in seen if one.as_stated and another(one, best)]
     return best if best.as_stated or not others else max(others, key=frames_of)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,7 +43,8 @@ def fit_flights(
 
     Unknown: times and speeds of contacts, the plate's row and slope, the fall in px/s^2, drag,
     the vertical's direction, perspective, the time from row to row, how long contacts last.
-    Drag, scale and camera have priors (`known`): e's error carries what they leave open.
+    Drag, scale and camera have priors (`known`): e's error carries what they leave open. Sizes of a
+    compressed film that the flights contradict do not count.
 
     Parameters
     ----------
@@ -74,6 +76,9 @@ def fit_flights(
         lost = fitted is not None and _astray(fitted)
         if fitted is None or (lost and other_falls) or (fitted.contradiction and not lost):
             fitted = _by_fall(problem, again=again)
+        if problem.contradicts_sizes(fitted):
+            observed, before = replace(observed, sizes=None), None
+            continue
         kept = fitted.longest_chain(problem.high(fitted))
         if len(kept) == fitted.bounces + 1:
             return fitted

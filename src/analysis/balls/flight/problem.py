@@ -52,6 +52,9 @@ LAST_MARGIN = 0.5
 GAIN_SHARE, GAIN_SIGMA = 0.2, 0.12
 """Of a ball's drift along the line of sight: friction takes between nothing and 2/5 of it at a
 bounce of a ball without spin; the middle, and its standard error."""
+SIZES_OFF = 4.0
+"""Errors by which flights contradict what sizes say of drifts and perspective: those of a film that
+a codec has been at are then a shadow's beside the ball, or a smear's."""
 MOST_SIGMAS = 2.0
 """Of a camera's tilt and of a ball's speeds along the line of sight, beyond which they are none."""
 FURTHEST_UNITS = 1e4
@@ -142,6 +145,13 @@ class Problem:
         over = np.sign(each) * np.maximum(0.0, np.abs(each) - MOST_SIGMAS)
         slopes[:, path.ASLANT] -= 0.5 * each
         return over, np.where(over[:, None] != 0.0, slopes, 0.0)
+
+    def contradicts_sizes(self, flights: Flights) -> bool:
+        """Return whether flights say that the sizes of a compressed film are none of its ball's."""
+        # The rest of the equations are those of friction, one for each bounce.
+        said = slice(0, len(self.drifts_target) - self.bounces)
+        off = self.drifts[said] @ self.logarithmic(flights.values) - self.drifts_target[said]
+        return self.view.compressed and bool(np.abs(off).max(initial=0.0) > SIZES_OFF)
 
     def _told(self, count: int) -> Floats:
         """Return derivatives of the flights' drifts and of the perspective, shape (B + 2, P)."""

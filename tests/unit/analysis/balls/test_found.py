@@ -44,3 +44,11 @@ def test_a_small_ball_that_flies_longer_than_a_large_thing_elsewhere_is_the_ball
 def test_another_size_of_the_same_ball_that_is_as_sure_and_flies_longer_is_the_ball() -> None:
     one, other = seen(46.0, discs=12, hops=2), seen(50.0, discs=8, hops=3)
     assert best_of([one, other]) is other
+
+
+def test_of_two_sizes_of_a_ball_that_are_as_sure_the_one_that_flies_longer_counts() -> None:
+    narrow, whole = seen(8.3, discs=1, hops=5), seen(10.4, discs=1, hops=6)
+    assert best_of([narrow, whole]) is whole
+    # A larger disc that is far less sure must fly much longer.
+    sure = seen(8.3, discs=3, hops=5)
+    assert best_of([sure, whole]) is sure

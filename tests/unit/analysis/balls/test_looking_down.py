@@ -277,3 +277,38 @@ def test_no_endless_lens_makes_room_for_another_e_of_a_last_flight_of_four_frame
     sigma = math.sqrt(slope @ flights.whole_covariance @ slope)
     assert flights.contacts[-1, 3] / flights.contacts[-1, 1] == pytest.approx(truth[-1], abs=0.02)
     assert sigma < 0.04
+
+
+@pytest.mark.parametrize("rate_hz", [25.0, 30.0, 60.0])
+def test_all_ways_in_which_telephones_read_a_picture_are_likely(rate_hz: float) -> None:
+    view = View(1080, 1920, 1 / rate_hz, 0.01, "rows", compressed=True)
+    middle, sigma = view.row_time()
+    # Global shutters, and rolling ones of cameras that are held upright or upside down.
+    for readout_s in (0.0, 8e-3, 15e-3, -8e-3, -15e-3):
+        assert abs(readout_s / 1080 - middle) < 1.6 * sigma
+    assert sigma < 1 / rate_hz / 1080
+
+
+@pytest.mark.parametrize("seed", [4, 7])
+def test_sizes_of_a_shadow_beside_the_ball_do_not_bend_the_flights_of_a_telephone_s_film(
+    seed: int,
+) -> None:
+    seen, begin = before_a_telephone(seed)
+    # The shadow on a wall makes the ball seem the larger, the lower it is.
+    sizes = 2e-4 * (seen.places[:, 0] - 960.0) + 1e-3 * np.random.default_rng(seed).standard_normal(
+        len(seen.frames)
+    )
+    sized = replace(
+        seen,
+        leans=np.zeros_like(seen.places),
+        sizes=np.stack([sizes, np.full(len(sizes), 1e-3)], axis=1),
+    )
+    view = View(1920, 1080, 1 / 30.0, 0.01, "rows", compressed=True)
+    flights = fit_flights(sized, begin, Known(Ball(2 * 52.0 / (2100.0 / 0.8)), view, 52.0))
+    assert flights is not None
+    truth = LASTS[1:] / LASTS[:-1]
+    assert flights.bounces == len(truth)
+    for bounce, e in enumerate(truth.tolist()):
+        slope = flights.slopes_of_e(bounce)
+        sigma = math.sqrt(slope @ flights.whole_covariance @ slope)
+        assert abs(flights.contacts[bounce, 3] / flights.contacts[bounce, 1] - e) < 3.0 * sigma
