@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from analysis.arrays import Floats
 from analysis.balls.films.film import FilmHead
-from analysis.balls.flight import path
 from analysis.balls.flight.flights import LARGE_CHI2, LEAST_PLACES, MOST_LEFT_OUT, Flights
 from analysis.balls.flight.lost import MOST_E, MOST_SCATTER_PX
 from analysis.balls.gaps import frame_at, period_of
@@ -25,6 +24,8 @@ UNSETTLED_E = 0.01
 """Change of e when the ball's light is learned once more, of flights that do not fit the film."""
 LOW_BOUNCE = 0.2
 """Of a radius: rows that differ by more at the plate are those of a ball that bounces."""
+QUICK = 0.05
+"""Radii a frame: what is held at the picture's border moves less than what crosses it."""
 FOLLOWED = 4.0
 """Frames from the last place of a flight to the bounce that ends it: seen up to there."""
 CONTACT_FRAMES = 0.6
@@ -136,6 +137,10 @@ def _outside(measured: MeasuredBall) -> Iterator[str]:
             does = "rolls along the plate" if moves else "rests on the plate"
             if np.ptp(own[:, 1]) > LOW_BOUNCE * radius:
                 does = "bounces too low to be measured"
+        size = np.array([measured.head.height, measured.head.width])
+        cut = [min(place.min(), (size - place).min()) < radius for place in own[[0, -1], 1:]]
+        if cut[0] != cut[1] and math.hypot(down, across) > QUICK * radius * len(own):
+            does = "enters the picture" if cut[0] else "leaves the picture"
         yield (
             f"{when} its flights, in frames {own[0, 0]:.0f} to {own[-1, 0]:.0f}, the ball or what "
             f"looks like it {does}: from ({start[0]:.0f}, {start[1]:.0f}) to ({end[0]:.0f}, "
@@ -209,9 +214,10 @@ def _edges(measured: MeasuredBall) -> Iterator[str]:
 def _goes_out(measured: MeasuredBall, arc: Arc, index: int) -> bool:
     """Return whether the ball is about to cross a border of the picture, or has just come in.
 
-    Below the plate it does not go.
+    Below the plate it does not go, nor where it is seen outside its flights just before or after.
     """
-    if len(arc.frames) < 2:
+    beside = np.abs(measured.search.unexplained[:, 0] - arc.frames[index]) < LEAST_PLACES
+    if len(arc.frames) < 2 or beside.any():
         return False
     head, radius = measured.head, measured.looks.radius_px
     inner = 1 if index == 0 else -2
@@ -239,6 +245,7 @@ def _one_more(measured: MeasuredBall, flights: Flights) -> Iterator[str]:
     seen = np.concatenate([places, measured.search.unexplained])
     after = seen[seen[:, 0] > frame]
     left = max(0, int(last - math.floor(frame + 0.5)))
+    short = flights.lasts_after_next_s / period_of(measured.times_s)
     if left < LEAST_PLACES:
         why = (
             f"the film ends {counted(left, 'frame')} after it, at frame {last}; {LEAST_PLACES} are "
@@ -250,6 +257,11 @@ def _one_more(measured: MeasuredBall, flights: Flights) -> Iterator[str]:
         why = (
             f"until frame {after[:, 0].max():.0f} the ball stays over its shadow at the plate, "
             "where places are off: it bounces too low, rolls or rests"
+        )
+    elif short < LEAST_PLACES + 2.0:
+        why = (
+            f"the flight after it lasts some {short:.1f} frames, too few to be measured at this "
+            "frame rate"
         )
     else:
         why = (
@@ -366,18 +378,13 @@ def _unsure(unsure_e: Floats, flights: Flights) -> Iterator[str]:
 
 
 def _alone(measured: MeasuredBall, flights: Flights) -> Iterator[str]:
-    """Say what one bounce alone leaves open: with later times the plate would only lie lower.
-
-    After n periods T that are not in the film both flights would meet where the ball is slower by
-    g n T v_n'/(v_n + v_n') and g n T v_n/(v_n + v_n'): e falls by g n T (1 - e)/v_n.
-    """
+    """Say what one bounce alone leaves open: with later times the plate would only lie lower."""
     own = measured.head.times_s
     if own is not None and np.array_equal(own, measured.times_s):
         # The file has the time of each frame: one that is missing shows in them.
         return
-    e, sigma = coefficient(measured, 0)
-    period = period_of(measured.times_s)
-    each = float(flights.values[path.FALL] * period * (1.0 - e) / flights.contacts[0, 1])
+    _, sigma = coefficient(measured, 0)
+    each = flights.lost_at_first(period_of(measured.times_s))
     if each > sigma:
         yield (
             f"one bounce alone, {_before(flights, 0)}, does not show whether the film has all "

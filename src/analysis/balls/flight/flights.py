@@ -175,6 +175,21 @@ class Flights:
         return float(self.contacts[-1, 0] + stay + lasts)
 
     @property
+    def lasts_after_next_s(self) -> float:
+        """Return how long the flight after that contact lasts with the last bounce's e, s."""
+        _, came, _, left, *_ = self.contacts[-1]
+        return float(left / came * 2.0 * left / self.values[path.FALL])
+
+    def lost_at_first(self, time_s: float) -> float:
+        """Return by how much e of the first bounce falls where so long a time is missing at it.
+
+        After a time T that is not in the film both flights would meet where the ball is slower by
+        g T v_n'/(v_n + v_n') and g T v_n/(v_n + v_n'): e falls by g T (1 - e)/v_n.
+        """
+        _, came, _, left, *_ = self.contacts[0].tolist()
+        return float(self.values[path.FALL] * time_s * (1.0 - left / came) / came)
+
+    @property
     def disagreement(self) -> float:
         """Return by how much diameter and gravity differ where they contradict each other, else 0.
 

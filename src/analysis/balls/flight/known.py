@@ -34,10 +34,8 @@ DRIFT_SHARE = 0.02
 FRICTION_LEAVES = 3.0 / 5.0
 """Of the speed across of a hollow ball that begins to roll, without spin before; a solid one keeps
 5/7."""
-READOUT_SHARE, READOUT_S = 0.6, 0.012
-"""Root mean square of what rolling shutters take to read a frame, in times between frames and at
-most in s: a telephone at 30 frames/s reads no slower than at 60. From the top row down or, of a
-camera that is held upside down, from the lowest up."""
+READOUT_SHARE = 0.5
+"""Of the time between frames: the middle of what rolling shutters take to read a frame."""
 STAY_S = 5e-4
 """Times of contact of balls of 20 mm and 1 m/s: from hard ones' 0.05 ms to soft ones' 2 ms."""
 SHORTENING, SHORTENING_SIGMA = 0.15, 0.1
@@ -175,7 +173,8 @@ class View:
         if self.readout == "global":
             return 0.0, 0.0
         lines = self.height if self.readout == "rows" else self.width
-        return 0.0, min(READOUT_SHARE * self.period_s, READOUT_S) / lines
+        middle = READOUT_SHARE * self.period_s / lines
+        return middle, 0.6 * middle
 
     def receding_sigma(self, before: Floats, after: Floats, per_focal: float) -> float:
         """Return the standard error of a ball's speed away from the camera, camera distances a s.

@@ -279,16 +279,6 @@ def test_no_endless_lens_makes_room_for_another_e_of_a_last_flight_of_four_frame
     assert sigma < 0.04
 
 
-@pytest.mark.parametrize("rate_hz", [25.0, 30.0, 60.0])
-def test_all_ways_in_which_telephones_read_a_picture_are_likely(rate_hz: float) -> None:
-    view = View(1080, 1920, 1 / rate_hz, 0.01, "rows", compressed=True)
-    middle, sigma = view.row_time()
-    # Global shutters, and rolling ones of cameras that are held upright or upside down.
-    for readout_s in (0.0, 8e-3, 15e-3, -8e-3, -15e-3):
-        assert abs(readout_s / 1080 - middle) < 1.6 * sigma
-    assert sigma < 1 / rate_hz / 1080
-
-
 @pytest.mark.parametrize("seed", [4, 7])
 def test_sizes_of_a_shadow_beside_the_ball_do_not_bend_the_flights_of_a_telephone_s_film(
     seed: int,

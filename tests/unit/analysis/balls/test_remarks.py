@@ -1,0 +1,90 @@
+"""What is said of a film: each thing once, and nothing that contradicts another sentence."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from analysis.arrays import Floats
+from analysis.balls.films.film import FilmHead
+from analysis.balls.flight.fit import fit_flights
+from analysis.balls.flight.flights import Flights
+from analysis.balls.found import Search
+from analysis.balls.measuring import MeasuredBall
+from analysis.balls.remarks import remarks
+from analysis.balls.seen.arcs import Arc, Chain
+from analysis.balls.seen.looks import Looks
+from analysis.balls.seen.placing import Placed
+from tests.unit.analysis.balls.parabolas import BOUNCES, PLATE, RATE, known, parabolas, start
+
+HEIGHT, WIDTH, RADIUS = 1080, 1920, 46.0
+
+
+def film_of(
+    places: Floats, first: int, outside: Floats, frames: int, flights: Flights | None = None
+) -> MeasuredBall:
+    """A film in which a ball flies from a frame on, and is seen outside its flight too."""
+    flown = np.arange(first, first + len(places))
+    chain = Chain((Arc(flown, flown / RATE, places, 1.0),), np.zeros(0), np.zeros((0, 2)))
+    times = np.arange(frames) / RATE
+    looks = Looks(RADIUS, 0.3, np.ones(1), np.ones(1), ())
+    fall = np.array([9806.65, 0.0])
+    ones, none = np.ones(frames), np.zeros(0)
+    search = Search(looks, chain, fall, (), outside, (), ones, None, False, times, ())
+    bounces = 0 if flights is None else flights.bounces
+    return MeasuredBall(
+        search=search,
+        placed=Placed(flown, places, np.ones_like(places), ones[: len(flown)], ones[: len(flown)]),
+        scatter=np.ones_like(places),
+        times_s=times,
+        exposure_s=0.0,
+        exposure_found=None,
+        flights=flights,
+        unsettled_e=none if flights is None else np.zeros(bounces),
+        unsure_e=none if flights is None else np.zeros(bounces),
+        head=FilmHead(frames, HEIGHT, WIDTH, 1, rate_hz=RATE),
+    )
+
+
+def seen_at(frames: range, begin: tuple[float, float], end: tuple[float, float]) -> Floats:
+    """Frames and places on a straight way."""
+    return np.column_stack([list(frames), np.linspace(begin, end, len(frames))])
+
+
+def test_a_ball_that_is_held_at_the_border_does_not_enter_the_picture() -> None:
+    falls = np.column_stack([104.0 + 45.0 * np.arange(12), np.full(12, 987.0)])
+    held = seen_at(range(67), (17.0, 973.0), (60.0, 987.0))
+    told = remarks(film_of(falls, 67, held, 79))
+    assert sum("frames 0 to 66, the ball or what looks like it is held or rests" in t for t in told)
+    assert not any("enters the picture" in each for each in told)
+    # Where it is not seen before, it does.
+    alone = remarks(film_of(falls, 67, held[:0], 79))
+    assert any("enters the picture at frame 67 at (104, 987) px" in each for each in alone)
+
+
+def test_a_ball_that_is_seen_until_the_border_cuts_it_leaves_there() -> None:
+    rows = 400.0 + 5.0 * np.arange(12)
+    flies = np.column_stack([rows, WIDTH - 276.0 + 15.0 * np.arange(12)])
+    last = (float(rows[-1]), WIDTH - 96.0)
+    leaves = seen_at(range(12, 18), last, (last[0] + 30.0, WIDTH - 20.0))
+    told = remarks(film_of(flies, 0, leaves, 40))
+    assert sum("leaves the picture" in each for each in told) == 1
+    assert any("in frames 12 to 17" in each and "leaves the picture" in each for each in told)
+
+
+def test_a_bounce_before_a_flight_of_few_frames_says_so() -> None:
+    second, down, _ = BOUNCES[1]
+    law = [BOUNCES[0], (second, down, 0.45)]
+    third = second + 2 * 0.45 / 9.80665
+    observed = parabolas(np.random.default_rng(3), law, third + 0.5 / RATE)
+    flights = fit_flights(observed, start(law), known())
+    assert flights is not None
+    assert flights.bounces == 2
+    frames = len(observed.frames) + 40
+    later = seen_at(range(frames - 30, frames), (PLATE - 150.0, 130.0), (PLATE - 200.0, 130.0))
+    (told,) = (
+        each
+        for each in remarks(film_of(observed.places, 0, later, frames, flights))
+        if "is not measured" in each
+    )
+    # e of 0.237 makes 5.2 frames of 22.
+    assert "the flight after it lasts some 5.2 frames, too few" in told
