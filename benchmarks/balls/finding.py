@@ -14,7 +14,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from analysis.balls.discs.finding import Disc, find_balls
+from analysis.balls.discs.disc import Disc
+from analysis.balls.discs.finding import find_balls
 from benchmarks.balls.clutter import KINDS, Seen, picture
 
 NEAR, ALIKE = 0.25, 0.2

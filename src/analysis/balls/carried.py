@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 import numpy as np
 
 from analysis.arrays import Floats
-from analysis.balls.discs.finding import Disc
+from analysis.balls.discs.disc import Disc
 from analysis.balls.films.film import Film, Picture
 from analysis.balls.seen.arcs import Sightings
 from analysis.balls.seen.looks import Looks

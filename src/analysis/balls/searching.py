@@ -9,7 +9,8 @@ import numpy as np
 
 from analysis.arrays import Floats
 from analysis.balls.carried import CarriedError, TurningError
-from analysis.balls.discs.finding import Disc, find_balls
+from analysis.balls.discs.disc import Disc
+from analysis.balls.discs.finding import find_balls
 from analysis.balls.films.fields import refuse_combed
 from analysis.balls.films.film import Film, FilmHead, Picture, spread_frames
 from analysis.balls.flight.known import Ball

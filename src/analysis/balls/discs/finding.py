@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.arrays import Floats, Singles
+from analysis.balls.discs.alike import circles, look
+from analysis.balls.discs.disc import LIKE_RADIUS, Disc, holds, on, one, same_rim, touch, within
 from analysis.balls.discs.gradient import (
     RADIUS_STEP,
     SIGMA_PX,
@@ -40,45 +42,17 @@ SURE = -6.0
 DOUBTFUL = -2.0
 CHANGED = 3.0
 """By how many powers of ten discs of a closed or opened picture must be surer: both round off."""
-SAME_CENTRE, SAME_RADIUS = 0.25, 0.25
-"""Two circles nearer than these shares of the radius are one."""
-SAME_RING = 0.15
-"""A disc whose centre is nearer than this share of the larger radius belongs to the surer one."""
 NEARLY = 0.5
 """Of the best's log10 of false alarms: a circle about it that is as sure is the rim."""
-LEAST_OUTER, MOST_OUTER = 1.04, 4.0
-"""How much larger a ball may be than the border of its lit part, or than a print on it."""
 SHARP, SHARPER, MOST_SHARPER = 1.3, 50.0, 0.02
 """Sharpness of a rim that says neither way, powers of ten by which a disc is surer for each 1 above
 it, and how far above it counts."""
-PRINT = 0.45
-"""A disc on a larger one, smaller than this share of it, is its gloss or a print."""
-WITHIN = 1.05
-"""In radii: a circle within another reaches no further."""
+LIKELY = -9.0
+"""log10 of the number of false alarms of a disc that is like others."""
+SOFTER, LEAST_SHARP = 0.07, 1.25
+"""By how much less sharp than theirs the rim of a disc like others may be, and the least it is."""
 BLOTCH = 0.4
 """Width of the ellipse that takes blotches off, in radii."""
-
-
-@dataclass(frozen=True, slots=True)
-class Disc:
-    """A disc, pixels of the picture: centre and radius with standard errors.
-
-    Attributes
-    ----------
-    rim
-        Share of the rim whose gradient points to the centre.
-    log_alarms
-        log10 of how many such discs chance would show in a picture of this size.
-    """
-
-    row: float
-    column: float
-    radius: float
-    row_sigma: float
-    column_sigma: float
-    radius_sigma: float
-    rim: float
-    log_alarms: float
 
 
 def find_balls(
@@ -157,9 +131,9 @@ def _of_versions(values: Singles, sought: _Sought, versions: tuple[int | None, .
         for other in waiting:
             again: Disc | None = other.disc
             level = levels[other.level]
-            if _touch(other.disc, best.disc):
+            if touch(other.disc, best.disc):
                 again = _judged(level, weights[other.level], level.inward(other.disc), tests)
-            if again is None or _one(again, best.disc):
+            if again is None or one(again, best.disc):
                 continue
             if again.log_alarms >= least - level.margin:
                 continue
@@ -168,11 +142,63 @@ def _of_versions(values: Singles, sought: _Sought, versions: tuple[int | None, .
     if sought.blotched:
         sharp = [_with_sharpness(values, disc, sought) for disc in accepted]
         accepted = [disc for disc in sharp if disc.log_alarms < sought.least]
-    whole = [disc for disc in accepted if not any(_on(disc, other) for other in accepted)]
+    whole = [disc for disc in accepted if not any(on(disc, other) for other in accepted)]
     # The border of what is lit, or saturated, on a sphere is a circle too, next to its rim or not.
     refined = [at_rim(values, disc, sought.sigma_px) for disc in _rims(whole)]
+    if sought.blotched:
+        refined += _alike(values, sought, levels, refined)
     # Two circles within one rim may both have led to it.
-    return [disc for k, disc in enumerate(refined) if not any(_one(disc, o) for o in refined[:k])]
+    return [disc for k, disc in enumerate(refined) if not any(one(disc, o) for o in refined[:k])]
+
+
+def _alike(values: Singles, sought: _Sought, levels: list[_Level], found: list[Disc]) -> list[Disc]:
+    """Return discs like those found, which need neither votes nor sectors where those show radii.
+
+    They are surer than others have to be: their circles lie where they are surest.
+    """
+    groups: list[list[Disc]] = []
+    for disc in sorted(found, key=lambda each: each.radius):
+        if not groups or disc.radius > LIKE_RADIUS * groups[-1][0].radius:
+            groups.append([])
+        groups[-1].append(disc)
+    # A circle is tried at each row and column, with three radii, in each version.
+    every = values.shape[0] * values.shape[1] * 3 * 3 * len(groups)
+    more: list[Disc] = []
+    for group in groups:
+        radius = float(np.median([disc.radius for disc in group]))
+        likely: list[Disc] = []
+        for level in levels:
+            if level.radii[0] <= radius / level.factor < level.radii[1]:
+                likely += _at_radius(level, [*found, *more], radius, math.log10(every))
+        if not likely:
+            continue
+        shown = look(values, radius, np.array([[disc.row, disc.column] for disc in group]))
+        crisp = float(np.median([_sharpness(values, disc, sought) for disc in group]))
+        for disc in sorted(likely, key=lambda each: each.log_alarms):
+            if not shown.like(disc.row, disc.column) or any(
+                one(disc, other) or within(disc, other) or within(other, disc)
+                for other in (*found, *more)
+            ):
+                continue
+            if _sharpness(values, disc, sought) > max(crisp - SOFTER, LEAST_SHARP):
+                best = at_rim(values, disc, sought.sigma_px)
+                more += [best] * same_rim(best, disc)
+    return more
+
+
+def _at_radius(level: _Level, found: list[Disc], radius: float, tests: float) -> list[Disc]:
+    """Return discs of a known radius that their edges alone show, without those of found discs."""
+    weights = np.ones(len(level.gradient.edges), np.float32)
+    level.taken[:] = 0.0
+    for disc in found:
+        _take(level, weights, disc)
+    seen = circles(level.gradient, weights, level.taken, radius / level.factor, tests)
+    discs = []
+    for row, column, own, alarms in seen[seen[:, 3] < LIKELY - level.margin].tolist():
+        size = own * level.factor
+        middle = (level.outward(row), level.outward(column))
+        discs.append(Disc(*middle, size, *3 * (NO_RIM_RADII * size,), 0.0, alarms + level.margin))
+    return discs
 
 
 def _with_sharpness(values: Singles, disc: Disc, sought: _Sought) -> Disc:
@@ -183,10 +209,13 @@ def _with_sharpness(values: Singles, disc: Disc, sought: _Sought) -> Disc:
     """
     if disc.log_alarms < sought.least - SHARPER * (SHARP - 1.0):
         return disc
-    place = np.array([disc.row, disc.column, disc.radius])
-    width = sought.sigma_px * max(1.0, disc.radius / (1.5 * SEARCH_RADIUS_PX))
-    surer = min(sharpness(values, place, width) - SHARP, MOST_SHARPER)
+    surer = min(_sharpness(values, disc, sought) - SHARP, MOST_SHARPER)
     return replace(disc, log_alarms=disc.log_alarms - SHARPER * surer)
+
+
+def _sharpness(values: Singles, disc: Disc, sought: _Sought) -> float:
+    width = sought.sigma_px * max(1.0, disc.radius / (1.5 * SEARCH_RADIUS_PX))
+    return sharpness(values, np.array([disc.row, disc.column, disc.radius]), width)
 
 
 def at_rim(values: Singles, disc: Disc, sigma_px: float) -> Disc:
@@ -219,7 +248,7 @@ def _outermost(waiting: list[_Candidate], best: _Candidate) -> _Candidate:
     about = [
         other
         for other in waiting
-        if other.disc.log_alarms < NEARLY * best.disc.log_alarms and _holds(other.disc, best.disc)
+        if other.disc.log_alarms < NEARLY * best.disc.log_alarms and holds(other.disc, best.disc)
     ]
     if not about:
         return best
@@ -227,23 +256,6 @@ def _outermost(waiting: list[_Candidate], best: _Candidate) -> _Candidate:
     waiting.remove(chosen)
     waiting.append(best)
     return _outermost(waiting, chosen)
-
-
-def _holds(outer: Disc, inner: Disc) -> bool:
-    """Return whether a circle lies within another one and is not the same."""
-    larger = outer.radius / inner.radius
-    return LEAST_OUTER < larger < MOST_OUTER and _within(inner, outer)
-
-
-def _within(inner: Disc, outer: Disc) -> bool:
-    apart = math.hypot(inner.row - outer.row, inner.column - outer.column)
-    return apart + inner.radius < WITHIN * outer.radius
-
-
-def _on(small: Disc, large: Disc) -> bool:
-    """Return whether a disc is the gloss or a print on another."""
-    apart = math.hypot(small.row - large.row, small.column - large.column)
-    return small.radius < PRINT * large.radius and apart < large.radius
 
 
 def _rims(discs: list[Disc]) -> list[Disc]:
@@ -263,7 +275,7 @@ def _no_rim(disc: Disc, other: Disc) -> bool:
     """
     inner, outer = sorted((disc, other), key=lambda each: each.radius)
     rim = outer if outer.log_alarms < NEARLY * inner.log_alarms else inner
-    return disc is not other and _within(inner, outer) and disc is not rim
+    return disc is not other and within(inner, outer) and disc is not rim
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -349,17 +361,3 @@ def _take(level: _Level, weights: Singles, disc: Disc) -> None:
         1.0,
         thickness=max(1, round(2 * band)),
     )
-
-
-def _one(a: Disc, b: Disc) -> bool:
-    radius = max(a.radius, b.radius)
-    apart = math.hypot(a.row - b.row, a.column - b.column)
-    alike = abs(a.radius - b.radius) < SAME_RADIUS * radius
-    # A ring within a sphere is its gloss, core or print.
-    within = apart < SAME_RING * radius
-    return within or (alike and apart < SAME_CENTRE * radius)
-
-
-def _touch(a: Disc, b: Disc) -> bool:
-    apart = math.hypot(a.row - b.row, a.column - b.column)
-    return apart < 1.1 * (a.radius + b.radius)

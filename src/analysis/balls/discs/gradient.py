@@ -21,7 +21,11 @@ MOST_CANDIDATES = 300
 
 
 def candidates(
-    edges: Singles, shape: tuple[int, int], radii: tuple[float, float], most: int = MOST_CANDIDATES
+    edges: Singles,
+    shape: tuple[int, ...],
+    radii: tuple[float, float],
+    most: int = MOST_CANDIDATES,
+    least: float = LEAST_SHARE,
 ) -> Floats:
     """Return places where many edge points point to, the best first.
 
@@ -34,6 +38,8 @@ def candidates(
         Of `gradient`.
     radii
         Smallest and largest, pixels.
+    most, least
+        How many places are returned, and share of the rim that votes for one.
 
     Returns
     -------
@@ -52,7 +58,7 @@ def candidates(
             # A point's vote counts as it would at the centre of a rim that is exact to the blur.
             votes *= 2.0 * np.pi * width**2 * _PEAK
             top = cv2.dilate(votes, np.ones((5, 5), np.uint8))
-            rows, columns = np.nonzero((votes >= top) & (votes >= LEAST_SHARE))
+            rows, columns = np.nonzero((votes >= top) & (votes >= least))
             if len(rows):
                 share = votes[rows, columns]
                 place = np.stack(

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.arrays import Floats
-from analysis.balls.discs.finding import Disc, find_balls
+from analysis.balls.discs.disc import Disc
+from analysis.balls.discs.finding import find_balls
 from analysis.balls.films.film import FilmHead, Picture
 from analysis.balls.films.tone import BRIGHTNESS, light
 

@@ -17,7 +17,8 @@ from scipy.ndimage import maximum_filter1d
 from scipy.special import ndtr
 
 from analysis.arrays import Floats
-from analysis.balls.discs.finding import DOUBTFUL, Disc, at_rim, find_balls
+from analysis.balls.discs.disc import Disc
+from analysis.balls.discs.finding import DOUBTFUL, at_rim, find_balls
 from analysis.balls.discs.gradient import SIGMA_PX
 from analysis.balls.films.film import Film, FilmHead, Picture
 from analysis.balls.films.tone import light

@@ -10,7 +10,8 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from analysis.balls.discs.finding import DOUBTFUL, SURE, Disc, find_balls
+from analysis.balls.discs.disc import Disc
+from analysis.balls.discs.finding import DOUBTFUL, SURE, find_balls
 from analysis.balls.films.film import Picture
 from analysis.balls.films.stacks import read_one
 from analysis.errors import InputError

@@ -148,3 +148,30 @@ def test_a_ball_as_bright_as_its_shaded_ground_is_found_by_its_hue(seed: int) ->
     picture = np.stack(channels, axis=2) + rng.normal(0.0, 1.5, (140, 160, 3))
     (disc,) = find_balls(np.clip(np.rint(picture), 0, 255).astype(np.uint8), (8.0, 40.0))
     assert (disc.row, disc.column, disc.radius) == pytest.approx((60.3, 64.8, 22.0), abs=0.3)
+
+
+@pytest.mark.parametrize("seed", [0, 3, 11])
+def test_a_faint_exposure_is_found_by_the_radius_and_look_of_the_others(seed: int) -> None:
+    places = [(48.3, 40.2), (40.6, 78.9), (44.1, 117.4), (58.8, 155.7), (84.2, 194.1)]
+    rng = np.random.default_rng(seed)
+    grain = np.asarray(cv2.GaussianBlur(rng.normal(0.0, 1.0, (140, 240)), (0, 0), 3.0))
+    picture = 100.0 + 16.0 * grain / grain.std()
+    for k, place in enumerate(places):
+        cover = cv2.GaussianBlur(drawings.coverage((*place, 20.0), (140, 240)), (0, 0), 0.6)
+        picture = picture + (36.0 if k else 70.0) * np.asarray(cover)
+    found = find_balls(drawings.grey(picture, noise=2.0), (8.0, 40.0))
+    # Three are sure by themselves.
+    assert len(found) == 4
+    for disc in found:
+        assert min(np.hypot(disc.row - row, disc.column - column) for row, column in places) < 1.5
+        assert disc.radius == pytest.approx(20.0, abs=1.0)
+
+
+@pytest.mark.parametrize("seed", [1, 3])
+def test_blotches_as_large_as_a_ball_are_not_taken_for_more_of_it(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    blotches = np.asarray(cv2.GaussianBlur(rng.normal(0.0, 1.0, (240, 320)), (0, 0), 10.0))
+    ball = cv2.GaussianBlur(drawings.coverage((120.3, 160.8, 18.0), (240, 320)), (0, 0), 0.6)
+    picture = 110.0 + 25.0 * blotches / blotches.std() + 70.0 * np.asarray(ball)
+    (disc,) = find_balls(drawings.grey(picture, noise=1.5), (8.0, 60.0))
+    assert (disc.row, disc.column, disc.radius) == pytest.approx((120.3, 160.8, 18.0), abs=0.5)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.arrays import Floats
-from analysis.balls.discs.finding import Disc
+from analysis.balls.discs.disc import Disc
 from analysis.balls.found import Search, best_of
 from analysis.balls.seen.arcs import Arc, Chain
 from analysis.balls.seen.looks import Looks

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from analysis.arrays import Floats
-from analysis.balls.discs.finding import Disc
+from analysis.balls.discs.disc import Disc
 from analysis.balls.flight.fit import fit_flights
 from analysis.balls.seen.looks import Looks
 from analysis.balls.seen.placing import Placed
