@@ -13,6 +13,7 @@ from analysis.balls.films.fields import FieldsFilm, InterlacedError
 from analysis.balls.films.film import Film, FilmHead
 from analysis.balls.films.part import Cut, PartOfFilm
 from analysis.balls.films.reading import open_film
+from analysis.balls.films.steady import ShakenError, SteadyFilm
 from analysis.balls.flight.known import Ball
 from analysis.balls.lens.lens import Lens, StraightFilm
 from analysis.balls.measuring import MeasuredBall, measure_ball
@@ -129,6 +130,10 @@ def analyse_held(film: Film, times: Floats, ball: Ball, exposure: float | None) 
     """
     try:
         measured = measure_ball(film, times, ball, exposure)
+    except ShakenError:
+        steady = SteadyFilm(film)
+        found = analyse_held(steady, times, ball, exposure)
+        return replace(found, notes=(steady.note, *found.notes))
     except TurningError as refusal:
         refusal.placed = refusal.place(film)
         raise

@@ -13,6 +13,7 @@ from analysis.balls.discs.disc import Disc
 from analysis.balls.discs.finding import find_balls
 from analysis.balls.films.fields import refuse_combed
 from analysis.balls.films.film import Film, FilmHead, Picture, spread_frames
+from analysis.balls.films.steady import refuse_shaken
 from analysis.balls.flight.known import Ball
 from analysis.balls.found import (
     CLEAR_FRAMES,
@@ -73,7 +74,8 @@ def search(film: Film, times_s: Floats, ball: Ball, *, complete: bool = False) -
     ------
     ShotRefusedError
         Too few frames, nothing round that moves, or nothing of it flies freely; `TurningError` of a
-        ball that only turns; `InterlacedError` where two pictures are in one.
+        ball that only turns; `InterlacedError` where two pictures are in one; `ShakenError` where
+        the camera moves.
     """
     if film.head.frames < LEAST_FRAMES:
         raise ShotRefusedError(
@@ -85,6 +87,8 @@ def search(film: Film, times_s: Floats, ball: Ball, *, complete: bool = False) -
     shown = list(samples.values())
     noise = noise_of(shown, ground)
     refuse_combed(samples, ground, noise)
+    if not head.steady:
+        refuse_shaken(samples)
     turning = turning_ball(shown, ground, noise, radii_px(ground))
     if turning is not None:
         raise TurningError(turning, ground, times_s)

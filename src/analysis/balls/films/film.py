@@ -54,6 +54,8 @@ class FilmHead:
     principal_px
         Principal point, (row, column) of this picture, which may lie outside a part; None: the
         whole picture's middle.
+    steady
+        Whether pictures were brought back to where the camera was in one of them.
     """
 
     frames: int
@@ -70,6 +72,7 @@ class FilmHead:
     focal_px: tuple[float, float] | None = None
     whole_px: tuple[int, int] | None = None
     principal_px: tuple[float, float] | None = None
+    steady: bool = False
 
     @property
     def whole(self) -> tuple[int, int]:
