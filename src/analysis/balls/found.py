@@ -25,7 +25,8 @@ APART_RADII = 2.0
 HARDLY_SURE = 0.1
 """Weight of discs over that of others of one ball, whose size those are then."""
 HALF_AS_STRONG = 0.5
-"""Strength over that of the strongest chain, of one that may be the ball whose size is stated."""
+"""Strength over that of the strongest chain, and frames over those of the ball that flies most
+surely, of one that may be the ball whose size is stated."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -92,7 +93,10 @@ def best_of(seen: Sequence[Search]) -> Search:
         enough = (1.0 if as_sure else MUCH_MORE) * frames_of(best)
         if frames_of(one) > enough and not _hardly_seen(one, best):
             best = one
-    others = [one for one in seen if one.as_stated and another(one, best)]
+    least = HALF_AS_STRONG * frames_of(best)
+    others = [
+        one for one in seen if one.as_stated and frames_of(one) > least and another(one, best)
+    ]
     return best if best.as_stated or not others else max(others, key=frames_of)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from analysis.arrays import Floats
@@ -52,3 +54,12 @@ def test_of_two_sizes_of_a_ball_that_are_as_sure_the_one_that_flies_longer_count
     # A larger disc that is far less sure must fly much longer.
     sure = seen(8.3, discs=3, hops=5)
     assert best_of([sure, whole]) is sure
+
+
+def test_a_ball_of_the_stated_size_counts_before_another_unless_that_flies_twice_as_long() -> None:
+    other = seen(20.0, discs=12, hops=5)
+    stated = replace(seen(30.0, discs=6, hops=4, column=300.0), contradicts=False)
+    assert best_of([other, stated]) is stated
+    # What bends so in a few frames only may be a shadow or a reflection.
+    briefly = replace(seen(30.0, discs=6, hops=2, column=300.0), contradicts=False)
+    assert best_of([other, briefly]) is other
