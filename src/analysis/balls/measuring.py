@@ -213,9 +213,8 @@ def _measured(
         row_time = float(flights.values[path.ROW_TIME])
         if exposure_s is None:
             told = placer.learn_exposure(own, motion, period)
-        rims = rims_off(looks, motion)
-        by_rims = rims or by_rims
-        motion = _learn_light(placer, (own, motion, row_time), rims)
+        by_rims = rims_off(looks, motion)
+        motion = _learn_light(placer, (own, motion, row_time), by_rims)
         placer.learn_blur(own, motion)
         placed = placer.place(own, motion, row_time)
         if of_radius is None:
@@ -363,8 +362,8 @@ def _fitted_motion(flights: Flights) -> Motion:
 
 
 def _observed(placed: Placed, times_s: Floats, of_radius: ByRadius | None) -> Observed:
-    least = LEAST_SIGMA * np.median(placed.sigmas, axis=0)
-    sigmas = np.maximum(placed.sigmas, least)
+    least = np.median(placed.sigmas, axis=0) if len(placed.frames) else 0.0
+    sigmas = np.maximum(placed.sigmas, LEAST_SIGMA * least)
     plain = Observed(placed.frames, times_s[placed.frames], placed.places, sigmas)
     if of_radius is None:
         return replace(plain, bare=True)

@@ -24,8 +24,7 @@ UNSETTLED_E = 0.01
 """Change of e when the ball's light is learned once more, of flights that do not fit the film."""
 LOW_BOUNCE = 0.2
 """Of a radius: rows that differ by more at the plate are those of a ball that bounces."""
-QUICK = 0.05
-"""Radii a frame: what is held at the picture's border moves less than what crosses it."""
+QUICK = 0.05  # Radii a frame: what is held at the picture's border moves less.
 FOLLOWED = 4.0
 """Frames from the last place of a flight to the bounce that ends it: seen up to there."""
 CONTACT_FRAMES = 0.6
@@ -137,8 +136,9 @@ def _outside(measured: MeasuredBall) -> Iterator[str]:
             does = "rolls along the plate" if moves else "rests on the plate"
             if np.ptp(own[:, 1]) > LOW_BOUNCE * radius:
                 does = "bounces too low to be measured"
-        size = np.array([measured.head.height, measured.head.width])
-        cut = [min(place.min(), (size - place).min()) < radius for place in own[[0, -1], 1:]]
+        # It crosses no border along which it moves.
+        size = measured.head.width if across > down else measured.head.height
+        cut = [min(at, size - at) < radius for at in own[[0, -1], 2 if across > down else 1]]
         if cut[0] != cut[1] and math.hypot(down, across) > QUICK * radius * len(own):
             does = "enters the picture" if cut[0] else "leaves the picture"
         yield (
@@ -156,10 +156,11 @@ def _hands(measured: MeasuredBall) -> Iterator[str]:
     placed = measured.placed.frames
     first, last = measured.chain.arcs[0], measured.chain.arcs[-1]
     for arc, out in ((first, first.frames < placed[0]), (last, last.frames > placed[-1])):
-        own = arc.frames[out & _whole(measured, arc)]
+        own = np.flatnonzero(out & _whole(measured, arc))
         if len(own) >= LEAST_PLACES:
+            a, b = own[[0, -1]]
             yield (
-                f"from frame {own[0]} {_of(arc, own[0])} to frame {own[-1]} {_of(arc, own[-1])} "
+                f"from frame {arc.frames[a]} {_at(arc, a)} to frame {arc.frames[b]} {_at(arc, b)} "
                 "the ball does not look or fly as it does in the others: a hand is at it, "
                 "something is in front of it, frames are missing, or the film's rate varies; these "
                 "frames do not count"
@@ -180,10 +181,6 @@ def _listed(frames: list[int]) -> str:
     """Return numbers with commas, the first of many."""
     more = f" and {len(frames) - SHOWN} more" if len(frames) > SHOWN else ""
     return ", ".join(map(str, frames[:SHOWN])) + more
-
-
-def _of(arc: Arc, frame: int) -> str:
-    return _at(arc, int(np.flatnonzero(arc.frames == frame)[0]))
 
 
 def _at(arc: Arc, index: int) -> str:
@@ -216,12 +213,15 @@ def _goes_out(measured: MeasuredBall, arc: Arc, index: int) -> bool:
 
     Below the plate it does not go, nor where it is seen outside its flights just before or after.
     """
-    beside = np.abs(measured.search.unexplained[:, 0] - arc.frames[index]) < LEAST_PLACES
-    if len(arc.frames) < 2 or beside.any():
+    if len(arc.frames) < 2:
         return False
     head, radius = measured.head, measured.looks.radius_px
     inner = 1 if index == 0 else -2
     place, step = arc.places[index], arc.places[index] - arc.places[inner]
+    seen = measured.search.unexplained
+    beside = seen[np.abs(seen[:, 0] - arc.frames[index]) < LEAST_PLACES, 1:] - place
+    if (np.hypot(*beside.T) < NEAR_RADII * radius + LEAST_PLACES * np.hypot(*step)).any():
+        return False
     plate = measured.chain.places[:, 0].max(initial=-np.inf)
     bottom = head.height if plate + radius > head.height or plate < 0 else np.inf
     room = np.array([place[0], place[1], bottom - place[0], head.width - place[1]])

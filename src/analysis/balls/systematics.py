@@ -36,8 +36,9 @@ LIGHT = 2
 LEAST_RIMS, MOST_RIM_SCATTER, RIM_SIGMA = 5, 0.02, 0.0015
 """Rims that say where a ball is; how far they scatter beside its flights at most, and the least
 error of their middle, of the radius."""
-CLEAR_SHIFT = 3.0
-"""In scatters: rims that lie further off scatter with the places, which are then wrong."""
+CLEAR_SHIFT, MOST_SHIFT = 3.0, 0.25
+"""In scatters: rims that lie further off scatter with the places, which are then wrong. In radii:
+what lies further off is not the ball's rim."""
 OF_SIZE = 0.3
 """Of what a wrong radius moves all places by: what is left of it once they lie at the rims."""
 MOST_BY_LIGHT = 0.03
@@ -244,8 +245,9 @@ def rims_off(looks: Looks, motion: Motion) -> RimsOff | None:
         return None
     shift = np.median(off, axis=0)
     scatter = 1.4826 * np.median(np.abs(off - shift), axis=0)
-    clear = max(MOST_RIM_SCATTER * looks.radius_px, math.hypot(*shift) / CLEAR_SHIFT)
-    if scatter.max() > clear:
+    far = math.hypot(*shift)
+    clear = max(MOST_RIM_SCATTER * looks.radius_px, far / CLEAR_SHIFT)
+    if scatter.max() > clear or far > MOST_SHIFT * looks.radius_px:
         return None
     return RimsOff(shift, np.hypot(scatter, RIM_SIGMA * looks.radius_px))
 

@@ -154,6 +154,18 @@ def turning(sway: tuple[float, float] = (0.0, 0.0), count: int = 60) -> list[Dra
     return shown
 
 
+def turning_in_the_picture(count: int = 60) -> list[Drawn]:
+    """Draw a ball at (100, 60) with one dark spot halfway to its rim that goes about its middle."""
+    spots = []
+    for k in range(count):
+        turn = 0.12 * k
+        own = picture(100.0, 60.0).copy()
+        spot = (round(16 * (60.0 + 6.5 * np.cos(turn))), round(16 * (100.0 + 6.5 * np.sin(turn))))
+        cv2.circle(own, spot, 16 * 3, 90, -1, cv2.LINE_AA, 4)
+        spots.append(own)
+    return spots
+
+
 def in_a_holder(shown: list[Drawn]) -> list[Drawn]:
     """Put a holder over the lower part of a ball at (100, 60), and edges that flicker far from it.
 

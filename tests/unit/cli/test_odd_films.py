@@ -278,6 +278,16 @@ def test_a_ball_that_turns_in_a_holder_beside_edges_that_flicker_is_said_to(
     assert places.mean(axis=0) == pytest.approx([100.0, 60.0], abs=0.5)
 
 
+def test_a_ball_whose_one_spot_draws_less_than_its_outline_is_as_large_as_its_rim(
+    tmp_path: Path, capsys: Capsys
+) -> None:
+    film = save(tmp_path / "film", odd_films.turning_in_the_picture())
+    shot = answer(capsys, str(film), *SIZE, "--fps", "200")
+    assert "turns on its place" in shot["reason"]
+    across = float(shot["reason"].split(" px across")[0].split()[-1])
+    assert across == pytest.approx(2 * RADIUS, abs=0.5)
+
+
 @pytest.mark.long
 def test_a_ball_that_turns_and_sways_is_seen_to_sway(tmp_path: Path, capsys: Capsys) -> None:
     _, places = turned(tmp_path, capsys, (0.6, -0.5))

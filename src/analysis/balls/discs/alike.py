@@ -41,7 +41,7 @@ changes, and exposures overlap."""
 def circles(
     found: Gradient, weights: Singles, taken: Singles, radius: float, tests: float
 ) -> Floats:
-    """Return circles of about a radius where they are surest, shape (N, 4), with their alarms.
+    """Return circles of about a radius where they are surest, with their alarms and rims.
 
     Parameters
     ----------
@@ -50,6 +50,10 @@ def circles(
         what has no weight nor what is taken counts.
     tests
         log10 of how many circles are tried.
+
+    Returns
+    -------
+    Row, column, radius, log10 of false alarms, share of the rim that is seen; shape (N, 5).
     """
     edges = np.ascontiguousarray(found.edges[weights > 0.0])
     radii = (radius * (1.0 - VOTED), radius * (1.0 + VOTED))
@@ -64,17 +68,17 @@ def circles(
     every = [_surest(field, found.threshold, each, tests) for each in start]
     # One whose radius would go on beyond is a disc of another size.
     inside = [each for each in every if abs(each[2] / radius - 1.0) < MOST_INSIDE]
-    return np.array(inside).reshape(-1, 4)
+    return np.array(inside).reshape(-1, 5)
 
 
 @compiled
 def _surest(
     field: NDArray[np.float32], threshold: float, start: NDArray[np.float64], tests: float
 ) -> NDArray[np.float64]:
-    """Return the circle near a start with the fewest false alarms, and log10 of their number."""
-    best = np.zeros(4)
+    """Return the circle near a start with the fewest false alarms, their log10, and its rim."""
+    best = np.zeros(5)
     best[:3] = start
-    best[3] = false_alarms(field, threshold, start.copy(), tests)[0]
+    best[3:] = false_alarms(field, threshold, start.copy(), tests)
     step = FIRST_STEP * start[2]
     for _ in range(HALVINGS):
         for _ in range(MOST_STEPS):
@@ -87,10 +91,10 @@ def _surest(
                     resized = abs(trial[2] - start[2])
                     if moved > MOST_MOVED * start[2] or resized > MOST_RESIZED * start[2]:
                         continue
-                    alarms = false_alarms(field, threshold, trial, tests)[0]
-                    if alarms < best[3]:
+                    alarms = false_alarms(field, threshold, trial, tests)
+                    if alarms[0] < best[3]:
                         best[:3] = trial
-                        best[3] = alarms
+                        best[3:] = alarms
             if best[3] >= here[3]:
                 break
         step *= 0.5

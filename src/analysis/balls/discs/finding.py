@@ -49,6 +49,8 @@ SHARP, SHARPER, MOST_SHARPER = 1.3, 50.0, 0.02
 it, and how far above it counts."""
 LIKELY = -9.0
 """log10 of the number of false alarms of a disc that is like others."""
+LEAST_LIKE_SECTORS = 0.3
+"""Share of the sectors of a rim that hold edges of a disc like others."""
 SOFTER, LEAST_SHARP = 0.07, 1.25
 """By how much less sharp than theirs the rim of a disc like others may be, and the least it is."""
 BLOTCH = 0.4
@@ -148,7 +150,8 @@ def _of_versions(values: Singles, sought: _Sought, versions: tuple[int | None, .
     if sought.blotched:
         refined += _alike(values, sought, levels, refined)
     # Two circles within one rim may both have led to it.
-    return [disc for k, disc in enumerate(refined) if not any(one(disc, o) for o in refined[:k])]
+    found = [disc for k, disc in enumerate(refined) if not any(one(disc, o) for o in refined[:k])]
+    return sorted(found, key=lambda disc: disc.log_alarms)
 
 
 def _alike(values: Singles, sought: _Sought, levels: list[_Level], found: list[Disc]) -> list[Disc]:
@@ -194,10 +197,13 @@ def _at_radius(level: _Level, found: list[Disc], radius: float, tests: float) ->
         _take(level, weights, disc)
     seen = circles(level.gradient, weights, level.taken, radius / level.factor, tests)
     discs = []
-    for row, column, own, alarms in seen[seen[:, 3] < LIKELY - level.margin].tolist():
+    for row, column, own, alarms, rim in seen[seen[:, 3] < LIKELY - level.margin].tolist():
+        place = np.array([row, column, own])
+        if fit_circle(level.gradient.edges, weights, place, len(PASSES))[6] < LEAST_LIKE_SECTORS:
+            continue
         size = own * level.factor
         middle = (level.outward(row), level.outward(column))
-        discs.append(Disc(*middle, size, *3 * (NO_RIM_RADII * size,), 0.0, alarms + level.margin))
+        discs.append(Disc(*middle, size, *3 * (NO_RIM_RADII * size,), rim, alarms + level.margin))
     return discs
 
 

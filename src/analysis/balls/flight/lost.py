@@ -110,6 +110,8 @@ def find_gap(observed: Observed, start: Start, known: Known, flights: Flights) -
     most: tuple[int, float] = flights.bounces, LEAST_GAIN
     best: Gap | None = None
     unsure = np.zeros(flights.bounces)
+    if flights.observed.sizes is None:
+        observed = replace(observed, sizes=None)
     # Of a diameter that contradicts gravity the right times fit with another fall alone.
     other = flights.contradiction
     for gap in _worth(observed, start, flights, period):
@@ -120,6 +122,8 @@ def find_gap(observed: Observed, start: Start, known: Known, flights: Flights) -
         fitted = fit_flights(replace(observed, times_s=times), begun, known, other_falls=other)
         if fitted is None or fitted.bounces < flights.bounces or _elsewhere(flights, fitted):
             continue
+        if (fitted.observed.sizes is None) != (observed.sizes is None):
+            continue  # Without sizes any times fit better.
         gain = _gain(flights, fitted)
         worse = fitted.chi2_per_dof / flights.chi2_per_dof
         if fitted.bounces > flights.bounces:

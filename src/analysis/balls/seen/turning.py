@@ -17,7 +17,7 @@ from scipy.ndimage import maximum_filter1d
 from scipy.special import ndtr
 
 from analysis.arrays import Floats
-from analysis.balls.discs.disc import Disc
+from analysis.balls.discs.disc import Disc, within
 from analysis.balls.discs.finding import DOUBTFUL, at_rim, find_balls
 from analysis.balls.discs.gradient import SIGMA_PX
 from analysis.balls.films.film import Film, FilmHead, Picture
@@ -38,7 +38,7 @@ others far away."""
 LEAST_CHANGES = 50
 """Pixels of all frames together."""
 NEAR = 0.15
-"""In radii: discs of changes and of the middle picture that lie so near are one."""
+"""In radii: discs of changes and of the middle picture that are so alike are one."""
 OVER_RADII, OVER_PX = 1.05, 2.0
 """How far from a disc's centre a change may lie that is its own."""
 
@@ -73,7 +73,9 @@ def turning_ball(
         return own
     if own is not None:
         apart = np.hypot(drawn.row - own.row, drawn.column - own.column)
-        if max(apart, abs(drawn.radius - own.radius)) < NEAR * drawn.radius:
+        near = max(apart, abs(drawn.radius - own.radius)) < NEAR * drawn.radius
+        # Blotches about the axis of a ball that turns in the picture draw less than the ball.
+        if near or within(drawn, own):
             return own
     return at_rim(np.ascontiguousarray(ground, dtype=np.float32), drawn, SIGMA_PX)
 

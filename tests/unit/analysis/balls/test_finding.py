@@ -165,6 +165,8 @@ def test_a_faint_exposure_is_found_by_the_radius_and_look_of_the_others(seed: in
     for disc in found:
         assert min(np.hypot(disc.row - row, disc.column - column) for row, column in places) < 1.5
         assert disc.radius == pytest.approx(20.0, abs=1.0)
+        assert disc.rim > 0.2
+    assert [disc.log_alarms for disc in found] == sorted(disc.log_alarms for disc in found)
 
 
 @pytest.mark.parametrize("seed", [1, 3])

@@ -71,6 +71,21 @@ def test_a_ball_that_is_seen_until_the_border_cuts_it_leaves_there() -> None:
     assert any("in frames 12 to 17" in each and "leaves the picture" in each for each in told)
 
 
+def test_a_ball_that_rolls_along_a_border_does_not_cross_it() -> None:
+    falls = np.column_stack([300.0 + 4.0 * np.arange(12) ** 2, np.full(12, 300.0)])
+    rolls = seen_at(range(20, 70), (HEIGHT - 45.5, 400.0), (HEIGHT - 46.5, 1400.0))
+    told = remarks(film_of(falls, 0, rolls, 80))
+    assert any("in frames 20 to 69, the ball or what looks like it rolls" in t for t in told)
+    assert not any("the picture" in each for each in told)
+
+
+def test_something_that_is_seen_elsewhere_does_not_keep_a_ball_from_entering() -> None:
+    flies = np.column_stack([400.0 + 2.0 * np.arange(12), 104.0 + 45.0 * np.arange(12)])
+    elsewhere = seen_at(range(67), (900.0, 1500.0), (905.0, 1505.0))
+    told = remarks(film_of(flies, 67, elsewhere, 79))
+    assert any("enters the picture at frame 67 at (400, 104) px" in each for each in told)
+
+
 def test_a_bounce_before_a_flight_of_few_frames_says_so() -> None:
     second, down, _ = BOUNCES[1]
     law = [BOUNCES[0], (second, down, 0.45)]
