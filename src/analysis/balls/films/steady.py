@@ -269,30 +269,34 @@ class SteadyFilm(Film):
     def __init__(self, film: Film) -> None:
         super().__init__(film.path, replace(film.head, steady=True))
         self._film = film
-        self._shifts: list[float] = []
+        self._moves: list[Floats] = []
 
     def _read(self) -> Iterator[Picture]:
+        if not self._moves:
+            self._moves = self._followed()
+        for picture, numbers in zip(self._film.pictures(), self._moves, strict=True):
+            yield _brought_back(picture, numbers)
+
+    def _followed(self) -> list[Floats]:
+        """Return the move of each picture from the middle one: those of its neighbour if unseen."""
         head = self._film.head
         spread = spread_frames(head.frames, head.height * head.width * head.channels)
         number = spread[len(spread) // 2]
         reference = _Reference(self._film.chosen([number])[number])
-        shifts: list[float] = []
-        numbers = np.zeros(4)
+        moves = [np.zeros(4)]
         for picture in self._film.pictures():
-            move = reference.moved(picture, numbers)
-            numbers = numbers if move is None else move.numbers
-            shifts.append(math.hypot(*numbers[2:]))
-            yield _brought_back(picture, numbers)
-        self._shifts = shifts
+            move = reference.moved(picture, moves[-1])
+            moves.append(moves[-1] if move is None else move.numbers)
+        return moves[1:]
 
     @property
     def note(self) -> str:
         """Say how far the pictures were moved."""
-        worst = int(np.argmax(self._shifts)) if self._shifts else 0
-        most = max(self._shifts, default=0.0)
+        shifts = [math.hypot(*numbers[2:]) for numbers in self._moves]
+        worst = max(range(len(shifts)), key=lambda frame: shifts[frame], default=0)
         return (
             f"the camera moves: pictures were brought back by what stands still, furthest frame "
-            f"{worst}, by {most:.1f} px"
+            f"{worst}, by {max(shifts, default=0.0):.1f} px"
         )
 
 
@@ -303,13 +307,13 @@ def _brought_back(picture: Picture, numbers: Floats) -> Picture:
     """
     scale, turn, right, down = numbers.tolist()
     rows, columns = picture.shape[:2]
-    y, x = np.mgrid[:rows, :columns].astype(np.float64)
-    x, y = x - 0.5 * (columns - 1), y - 0.5 * (rows - 1)
+    x = np.arange(columns, dtype=np.float32)[None] - 0.5 * (columns - 1)
+    y = np.arange(rows, dtype=np.float32)[:, None] - 0.5 * (rows - 1)
     back = cv2.remap(
         picture,
-        (x + scale * x - turn * y + right + 0.5 * (columns - 1)).astype(np.float32),
-        (y + scale * y + turn * x + down + 0.5 * (rows - 1)).astype(np.float32),
-        cv2.INTER_LANCZOS4,
+        (1.0 + scale) * x + (right + 0.5 * (columns - 1) - turn * y),
+        (1.0 + scale) * y + (down + 0.5 * (rows - 1)) + turn * x,
+        cv2.INTER_CUBIC,
         borderMode=cv2.BORDER_REPLICATE,
     )
     return cast("Picture", back.reshape(picture.shape))
