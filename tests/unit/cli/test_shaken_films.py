@@ -25,7 +25,7 @@ from tests.unit.cli.falling_ball import (
     picture,
     save,
 )
-from tests.unit.cli.odd_films import hand_over
+from tests.unit.cli.odd_films import hand_over, turning
 
 
 def shifts(count: int) -> Floats:
@@ -82,6 +82,10 @@ def test_a_hand_that_waves_before_a_wall_is_no_camera_that_moves(*, plain: bool)
     wall = picture(-100.0) if plain else before_a_wall(picture(-100.0))
     waved = [hand_over(wall, 120.0 + 25.0 * np.sin(k / 3.0), 40.0 + 2 * k) for k in range(20)]
     refuse_shaken({k: each[..., None] for k, each in enumerate(waved)})
+
+
+def test_a_ball_that_sways_before_stripes_is_no_camera_that_moves() -> None:
+    refuse_shaken({k: each[..., None] for k, each in enumerate(turning((0.6, -0.5)))})
 
 
 def test_a_wall_that_moves_in_the_picture_is_said_to_with_frame_and_distance() -> None:

@@ -27,8 +27,9 @@ OF_NOISE = 0.2
 """Of the noise of pixels: what a change of light has of it, once blurred by a pixel."""
 SECOND = np.array([[1.0, -2.0, 1.0], [-2.0, 4.0, -2.0], [1.0, -2.0, 1.0]])
 """Takes noise alone out of a picture (Immerkaer, 1996)."""
-LEAST_CELLS, LEAST_SPAN = 6, 0.6
-"""Parts with such pixels, and how far they reach, of each side: a hand or a ball reaches less."""
+LEAST_CELLS, LEAST_SPAN, LEAST_REACH = 6, 0.6, 0.4
+"""Parts with such pixels, and how far they reach, of each side and of one: a hand or a ball reaches
+less far."""
 STEPS, SETTLED_PX = 12, 0.003
 TUKEY = 4.685
 LEAST_NOISE = 1.0
@@ -38,6 +39,8 @@ SHAKEN_PX, SIGMAS = 0.1, 5.0
 LEAST_BETTER, LEAST_SEEN, LEAST_FAR = 0.55, 0.6, 0.4
 """Of the parts, those that a move explains better than none; of the frames, those that are seen
 again, and those that have moved."""
+MATTERS = 0.05
+"""Of what is left of a part's light: a smaller change says nothing."""
 ENOUGH = 15
 """Frames that show whether a camera moves."""
 MOST_TURN, MOST_SIGMA_PX = 0.03, 0.05
@@ -107,12 +110,7 @@ class _Reference:
         rough = np.abs(cv2.filter2D(first, -1, SECOND))
         steep = STEEP * OF_NOISE * 1.4826 * float(np.median(rough)) / 6.0
         self._levels = [_level(each, max(LEAST_STEEP, steep)) for each in _sizes(first)]
-        finest = self._levels[0]
-        found = np.unique(finest.cells)
-        self.shows = (
-            len(found) >= LEAST_CELLS
-            and min(np.ptp(found // CELLS), np.ptp(found % CELLS)) >= LEAST_SPAN * CELLS
-        )
+        self.shows = _shows(self._levels[0], max(LEAST_STEEP, steep))
 
     def moved(self, picture: Picture, start: Floats) -> _Move | None:
         """Return how a picture has moved; None where too little of it is seen again.
@@ -135,15 +133,48 @@ class _Reference:
         left = _left(finest, sizes[0], numbers)
         still = np.concatenate([np.zeros(4), numbers[4:]])
         unmoved = _left(finest, sizes[0], still)
-        gains = [
-            np.median(np.abs(left[finest.cells == cell]))
-            < np.median(np.abs(unmoved[finest.cells == cell]))
-            for cell in np.unique(finest.cells)
-        ]
-        if not np.isfinite(numbers).all() or not gains:
+        if not np.isfinite(numbers).all() or not len(left):
             return None
         sigma = math.sqrt(float(covariance[2, 2] + covariance[3, 3]))
-        return _Move(numbers[:4], sigma, float(np.mean(gains)))
+        return _Move(numbers[:4], sigma, _better(finest.cells, left, unmoved))
+
+
+def _better(cells: NDArray[np.intp], left: Floats, unmoved: Floats) -> float:
+    """Return the share of parts that a move explains better, of those for which it matters.
+
+    None are where those do not reach far: along stripes, or an edge that is all of a wall, any
+    shift is as good, and what else moves decides.
+    """
+    found = np.unique(cells)
+    own, still = (
+        np.array([np.median(np.abs(each[cells == cell])) for cell in found])
+        for each in (left, unmoved)
+    )
+    better, worse = own < (1.0 - MATTERS) * still, own > (1.0 + MATTERS) * still
+    if max(_reach(found[better])) < LEAST_REACH:
+        return 0.0
+    return float(better.sum() / (better.sum() + worse.sum()))
+
+
+def _shows(level: _Level, least: float) -> bool:
+    """Return whether parts of a picture show a shift, most of it over, and in every direction.
+
+    Along stripes, or along an edge that is all of a wall, light changes by noise alone, and what
+    moves by itself would decide.
+    """
+    slopes, found = level.slopes[:, 2:4], np.unique(level.cells)
+    if min(_reach(found)) < LEAST_SPAN:
+        return False
+    ways = np.linalg.eigh(slopes.T @ slopes)[1]
+    along = np.array([((slopes[level.cells == cell] @ ways) ** 2).mean(axis=0) for cell in found])
+    return all(max(_reach(found[own > (0.5 * least) ** 2])) > LEAST_REACH for own in along.T)
+
+
+def _reach(cells: NDArray[np.intp]) -> tuple[float, float]:
+    """Return over which share of a picture's height and width parts reach; (0, 0) of few."""
+    if len(cells) < LEAST_CELLS:
+        return 0.0, 0.0
+    return float(np.ptp(cells // CELLS) / CELLS), float(np.ptp(cells % CELLS) / CELLS)
 
 
 def _scaled(picture: Picture, top: float) -> Singles:
