@@ -34,7 +34,7 @@ STEPS, SETTLED_PX = 12, 0.003
 TUKEY = 4.685
 LEAST_NOISE = 1.0
 """Grey levels of 200."""
-SHAKEN_PX, SIGMAS = 0.1, 5.0
+SHAKEN_PX, SIGMAS = 0.15, 8.0
 """Shift of a picture that has moved, px and in its own errors."""
 LEAST_BETTER, LEAST_SEEN, LEAST_FAR = 0.55, 0.6, 0.4
 """Of the parts, those that a move explains better than none; of the frames, those that are seen
