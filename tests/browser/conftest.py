@@ -11,7 +11,14 @@ from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
-from playwright.sync_api import Browser, Page, Request, expect, sync_playwright
+from playwright.sync_api import (
+    Browser,
+    Page,
+    Request,
+    TimeoutError as NothingHappenedError,
+    expect,
+    sync_playwright,
+)
 
 from benchmarks.page_served import CHROMIUM, KEY, SWITCHES, started
 from tests.simulated import patient_text
@@ -163,3 +170,18 @@ def fire(page: Page) -> None:
         page.get_by_test_id(field).fill(value)
     page.get_by_test_id("arm").click()
     page.get_by_test_id("fire").click()
+
+
+def abort_sweep(page: Page) -> None:
+    """Press what aborts a sweep, and answer the dialog, as a person does: until it has closed.
+
+    A press may be lost: a browser drops one whose button a busy host redraws, or covers, between
+    its two halves. The dialog stays open then.
+    """
+    page.get_by_test_id("abort").click()
+    asked, answer = page.get_by_test_id("ask-again"), page.get_by_test_id("abort-now")
+    answer.click()
+    try:
+        asked.wait_for(state="detached", timeout=0.5 * EXPECT_MS)
+    except NothingHappenedError:
+        answer.click()

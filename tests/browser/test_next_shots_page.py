@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import FIRST_USE_MS, KEY
+from tests.browser.conftest import FIRST_USE_MS, KEY, abort_sweep
 from tests.invoked import rigctl
 
 pytestmark = pytest.mark.long
@@ -48,8 +48,7 @@ def test_shots_that_the_model_asks_for_are_fired_and_stand_in_its_next_fit(
     expect(page.get_by_test_id("grows").locator(".scatterlayer .point")).not_to_have_count(
         0, timeout=LONG_MS
     )
-    page.get_by_test_id("abort").click()
-    page.get_by_test_id("abort-now").click()
+    abort_sweep(page)
     expect(page.get_by_test_id("sweep-state")).to_contain_text("aborted", timeout=LONG_MS)
     page.get_by_role("link", name="Model").click()
     page.get_by_role("link", name="nylon").click()

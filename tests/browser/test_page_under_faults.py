@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import Served, patient_configuration
+from tests.browser.conftest import Served, abort_sweep, patient_configuration
 
 pytestmark = pytest.mark.long
 
@@ -94,8 +94,7 @@ def test_a_daemon_killed_in_a_sweep_and_started_again_is_found_by_the_open_page(
     expect(state).to_contain_text("paused")
     # Killed between the fire and its answer, a shot may also be of unknown outcome.
     expect(page.get_by_text("the daemon ended;")).to_be_visible()
-    page.get_by_test_id("abort").click()
-    page.get_by_test_id("abort-now").click()
+    abort_sweep(page)
     expect(state).to_contain_text("aborted")
 
 

@@ -9,6 +9,7 @@ from urllib.parse import quote
 import pytest
 from playwright.sync_api import Page, expect
 
+from tests.browser.conftest import abort_sweep
 from tests.browser.test_accessibility import faults, out_of_reach
 
 pytestmark = pytest.mark.long
@@ -31,8 +32,7 @@ def test_a_sweep_is_previewed_watched_paused_resumed_and_aborted(page: Page) -> 
     page.get_by_test_id("resume").click()
     expect(state).to_contain_text("running")
     expect(state).to_contain_text(f"{fired + 1} of 24 shots", timeout=LONG_MS)
-    page.get_by_test_id("abort").click()
-    page.get_by_test_id("abort-now").click()
+    abort_sweep(page)
     expect(state).to_contain_text("aborted", timeout=LONG_MS)
     expect(page.get_by_test_id("resume")).to_have_count(0)
     expect(page.get_by_test_id("steps")).to_contain_text("skipped")
@@ -59,8 +59,7 @@ def test_a_stop_in_the_middle_of_a_sweep_fires_nothing_more_until_a_person_says_
     page.get_by_test_id("release-now").click()
     expect(page.get_by_test_id("state")).to_have_text("idle", timeout=LONG_MS)
     expect(state).to_contain_text(f"{stopped_at} of 8 shots")
-    page.get_by_test_id("abort").click()
-    page.get_by_test_id("abort-now").click()
+    abort_sweep(page)
     expect(state).to_contain_text("aborted")
 
 
