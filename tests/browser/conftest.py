@@ -11,14 +11,8 @@ from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
-from playwright.sync_api import (
-    Browser,
-    Page,
-    Request,
-    TimeoutError as NothingHappenedError,
-    expect,
-    sync_playwright,
-)
+from playwright.sync_api import Browser, Page, Request, expect, sync_playwright
+from playwright.sync_api import TimeoutError as NothingHappenedError
 
 from benchmarks.page_served import CHROMIUM, KEY, SWITCHES, started
 from tests.simulated import patient_text
