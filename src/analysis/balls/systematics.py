@@ -36,9 +36,10 @@ LIGHT = 2
 LEAST_RIMS, MOST_RIM_SCATTER, RIM_SIGMA = 5, 0.02, 0.0015
 """Rims that say where a ball is; how far they scatter beside its flights at most, and the least
 error of their middle, of the radius."""
-CLEAR_SHIFT, MOST_SHIFT = 3.0, 0.25
+CLEAR_SHIFT, MOST_SHIFT = 3.0, 0.5
 """In scatters: rims that lie further off scatter with the places, which are then wrong. In radii:
-what lies further off is not the ball's rim."""
+what lies further off is not the ball's rim; the first places of a ball that is lit from one side
+lie a third of its radius off."""
 OF_SIZE = 0.3
 """Of what a wrong radius moves all places by: what is left of it once they lie at the rims."""
 MOST_BY_LIGHT = 0.03

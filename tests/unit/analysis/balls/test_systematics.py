@@ -47,8 +47,12 @@ def test_rims_that_scatter_as_far_as_they_lie_off_show_nothing() -> None:
     assert rims_off(*film((-0.4, 0.3), 0.45)) is None
 
 
-def test_discs_that_lie_a_third_of_the_radius_off_are_no_rims_of_the_ball() -> None:
-    assert rims_off(*film((3.6, 2.0), 0.6)) is None
+def test_first_places_a_third_of_the_radius_towards_the_light_are_brought_to_the_rims() -> None:
+    assert rims_off(*film((3.6, 2.0), 0.1)) is not None
+
+
+def test_discs_that_lie_more_than_half_of_the_radius_off_are_no_rims_of_the_ball() -> None:
+    assert rims_off(*film((5.6, 3.2), 0.1)) is None
 
 
 def test_places_at_the_rims_owe_little_to_a_radius_that_moves_them_all_alike() -> None:
