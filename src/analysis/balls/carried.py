@@ -12,7 +12,7 @@ from analysis.balls.films.film import Film, Picture
 from analysis.balls.seen.arcs import Sightings
 from analysis.balls.seen.looks import Looks
 from analysis.balls.seen.placing import Placed, Placer
-from analysis.balls.seen.turning import place_turning
+from analysis.balls.seen.rim_shifts import place_turning
 from analysis.balls.seen.windows import Motion, cut_windows
 from analysis.errors import ShotRefusedError
 
