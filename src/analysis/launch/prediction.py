@@ -95,15 +95,6 @@ class Prediction:
     seen_s: Floats
 
     @property
-    def muzzle_covariance(self) -> Floats:
-        """Of the row of the muzzle, scatter and parameters' errors in it, shape (S, 17, 17).
-
-        Numbers in m/s, rad, rad/s, m and s, as `muzzle.Muzzle` has them.
-        """
-        back = np.linalg.inv(self.predicted.by_muzzle)
-        return np.asarray(back @ self._touch_covariance @ np.swapaxes(back, 1, 2))
-
-    @property
     def states(self) -> ShotStates:
         """Mean states at first touch; orientations are any, and stand unturned."""
         rows = self.predicted.touch

@@ -65,18 +65,11 @@ def test_covariances_are_symmetric_and_positive() -> None:
     touches, settings = fired(20, 33)
     del touches
     foretold = fitted().predict(settings)
-    for matrices in (foretold.covariance[:, 1:, 1:], foretold.muzzle_covariance):
-        assert matrices == pytest.approx(np.swapaxes(matrices, 1, 2), rel=1e-6, abs=1e-15)
-        scale = np.sqrt(np.diagonal(matrices, axis1=1, axis2=2))
-        unit = matrices / scale[:, :, None] / scale[:, None, :]
-        assert np.linalg.eigvalsh(unit).min() > 0
-
-
-def test_the_speed_at_the_muzzle_is_as_sure_as_the_pusher_is_steady() -> None:
-    foretold = fitted().predict(one_shot())
-    speed = foretold.predicted.muzzle.speed[0, 0]
-    sigma = np.sqrt(foretold.muzzle_covariance[0, 0, 0])
-    assert sigma / speed == pytest.approx(0.008, rel=0.2)
+    matrices = foretold.covariance[:, 1:, 1:]
+    assert matrices == pytest.approx(np.swapaxes(matrices, 1, 2), rel=1e-6, abs=1e-15)
+    scale = np.sqrt(np.diagonal(matrices, axis1=1, axis2=2))
+    unit = matrices / scale[:, :, None] / scale[:, None, :]
+    assert np.linalg.eigvalsh(unit).min() > 0
 
 
 @pytest.mark.parametrize(
