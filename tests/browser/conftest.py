@@ -166,16 +166,21 @@ def fire(page: Page) -> None:
     page.get_by_test_id("fire").click()
 
 
-def abort_sweep(page: Page) -> None:
-    """Press what aborts a sweep, and answer the dialog, as a person does: until it has closed.
+def answer(page: Page, testid: str) -> None:
+    """Press the button of a dialog that does what it asks about, until the dialog has closed.
 
-    A press may be lost: a browser drops one whose button a busy host redraws, or covers, between
-    its two halves. The dialog stays open then.
+    A press may be lost, and a person presses again: a browser drops one whose button a busy host
+    redraws, or covers, between its two halves. The dialog stays open then.
     """
-    page.get_by_test_id("abort").click()
-    asked, answer = page.get_by_test_id("ask-again"), page.get_by_test_id("abort-now")
-    answer.click()
+    button = page.get_by_test_id(testid)
+    button.click()
     try:
-        asked.wait_for(state="detached", timeout=0.5 * EXPECT_MS)
+        button.wait_for(state="detached", timeout=0.5 * EXPECT_MS)
     except NothingHappenedError:
-        answer.click()
+        button.click()
+
+
+def abort_sweep(page: Page) -> None:
+    """Press what aborts a sweep, and what its dialog asks for."""
+    page.get_by_test_id("abort").click()
+    answer(page, "abort-now")

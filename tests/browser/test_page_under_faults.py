@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import Served, abort_sweep, patient_configuration
+from tests.browser.conftest import Served, abort_sweep, answer, patient_configuration
 
 pytestmark = pytest.mark.long
 
@@ -59,7 +59,7 @@ def test_a_browser_without_its_network_is_covered_and_goes_on_with_what_was_type
     expect(page.get_by_test_id("latched")).to_be_visible()
     page.get_by_test_id("release").click()
     page.get_by_test_id("reason").fill("a drill")
-    page.get_by_test_id("release-now").click()
+    answer(page, "release-now")
     expect(page.get_by_test_id("state")).to_have_text("idle")
 
 
@@ -75,7 +75,7 @@ def test_two_operators_see_each_other_and_only_who_armed_may_fire(page: Page, se
     expect(page.get_by_test_id("fire")).to_be_hidden()
     page.get_by_test_id("release").click()
     page.get_by_test_id("reason").fill("a drill")
-    page.get_by_test_id("release-now").click()
+    answer(page, "release-now")
     expect(second.get_by_test_id("state")).to_have_text("idle")
     second.close()
 
@@ -126,7 +126,7 @@ def released(page: Page, served: Any) -> None:
     if page.get_by_test_id("latched").is_visible():
         page.get_by_test_id("release").click()
         page.get_by_test_id("reason").fill("a drill")
-        page.get_by_test_id("release-now").click()
+        answer(page, "release-now")
 
 
 def start_with(served: Any, line: str, other: str) -> None:

@@ -9,7 +9,7 @@ import httpx
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import FIRST_USE_MS, KEY, Served, fire
+from tests.browser.conftest import FIRST_USE_MS, KEY, Served, answer, fire
 from tests.browser.test_accessibility import faults
 
 
@@ -90,7 +90,7 @@ def test_the_stop_is_in_reach_by_button_and_key_and_is_left_with_a_reason(page: 
     page.get_by_test_id("release").click()
     expect(page.get_by_test_id("release-now")).to_be_disabled()
     page.get_by_test_id("reason").fill("looked at the tubes: empty")
-    page.get_by_test_id("release-now").click()
+    answer(page, "release-now")
     expect(page.get_by_test_id("state")).to_have_text("idle")
     page.get_by_role("link", name="Model").click()
     page.get_by_test_id("stop").click()

@@ -9,7 +9,7 @@ from urllib.parse import quote
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import abort_sweep
+from tests.browser.conftest import abort_sweep, answer
 from tests.browser.test_accessibility import faults, out_of_reach
 
 pytestmark = pytest.mark.long
@@ -56,7 +56,7 @@ def test_a_stop_in_the_middle_of_a_sweep_fires_nothing_more_until_a_person_says_
     ).to_be_visible()
     page.get_by_test_id("release").click()
     page.get_by_test_id("reason").fill("tubes looked at: empty")
-    page.get_by_test_id("release-now").click()
+    answer(page, "release-now")
     expect(page.get_by_test_id("state")).to_have_text("idle", timeout=LONG_MS)
     expect(state).to_contain_text(f"{stopped_at} of 8 shots")
     abort_sweep(page)
@@ -100,7 +100,7 @@ def test_a_shot_of_a_sweep_is_excluded_with_a_reason_and_counts_again(page: Page
     page.get_by_test_id("exclude").click()
     expect(page.get_by_test_id("exclude-now")).to_be_disabled()
     page.get_by_test_id("reason").fill("the sphere was chipped")
-    page.get_by_test_id("exclude-now").click()
+    answer(page, "exclude-now")
     expect(page.get_by_test_id("excluded")).to_contain_text("the sphere was chipped")
     page.get_by_test_id("include").click()
     expect(page.get_by_test_id("excluded")).to_have_count(0)

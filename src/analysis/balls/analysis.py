@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from analysis.arrays import Floats
-from analysis.balls.carried import NotFlyingError, TurningError
+from analysis.balls.carried import NotFlyingError, OtherFallError, TurningError
 from analysis.balls.films.fields import FieldsFilm, InterlacedError
 from analysis.balls.films.film import Film, FilmHead
 from analysis.balls.films.part import Cut, PartOfFilm
@@ -134,7 +134,7 @@ def analyse_held(film: Film, times: Floats, ball: Ball, exposure: float | None) 
         steady = SteadyFilm(film)
         found = analyse_held(steady, times, ball, exposure)
         return replace(found, notes=(steady.note, *found.notes))
-    except TurningError as refusal:
+    except (TurningError, OtherFallError) as refusal:
         refusal.placed = refusal.place(film)
         raise
     except ShotRefusedError as refusal:

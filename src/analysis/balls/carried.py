@@ -8,7 +8,9 @@ import numpy as np
 
 from analysis.arrays import Floats
 from analysis.balls.discs.disc import Disc
+from analysis.balls.falling import OtherFall
 from analysis.balls.films.film import Film, Picture
+from analysis.balls.gaps import period_of
 from analysis.balls.seen.arcs import Sightings
 from analysis.balls.seen.looks import Looks
 from analysis.balls.seen.placing import Placed, Placer
@@ -64,6 +66,43 @@ class CarriedError(NotFlyingError):
         windows = cut_windows(film, self._looks, motion, 0.0)
         placer.learn_blur(windows, motion)
         return placer.place(windows, motion)
+
+
+class OtherFallError(CarriedError):
+    """A ball that bounces, and falls far otherwise than its diameter and the film's rate say.
+
+    Parameters
+    ----------
+    fall
+        How it falls.
+    diameter_m
+        That was stated.
+    looks, seen
+        Of the ball, and where something looks like it.
+    """
+
+    def __init__(self, fall: OtherFall, diameter_m: float, looks: Looks, seen: Sightings) -> None:
+        rate = 1.0 / period_of(seen.times_s)
+        millimetres = 1e3 * diameter_m
+        frame, row, column = fall.first
+        last, down, across = fall.last
+        slow = fall.share < 1.0
+        why = "a film in slow motion has the player's, " if slow else ""
+        super().__init__(
+            f"the ball falls {_short(fall.share)} times as fast as one of {_short(millimetres)} mm "
+            f"does at {_short(rate)} frames/s, from frame {frame} at ({row:.0f}, {column:.0f}) px "
+            f"to frame {last} at ({down:.0f}, {across:.0f}) px: state the camera's rate, {why}"
+            f"of about {_short(rate * fall.share**-0.5)} frames/s (--fps), or the diameter, about "
+            f"{_short(millimetres / fall.share)} mm (--ball-diameter-mm)",
+            looks,
+            seen,
+        )
+        self.fall = fall
+
+
+def _short(value: float) -> str:
+    """Return a number with three digits at least, and no power of ten."""
+    return f"{value:.0f}" if value >= 100.0 else f"{value:.3g}"
 
 
 class TurningError(NotFlyingError):

@@ -8,26 +8,19 @@ from dataclasses import replace
 import numpy as np
 
 from analysis.arrays import Floats
-from analysis.balls.carried import CarriedError, TurningError
+from analysis.balls.carried import CarriedError, OtherFallError, TurningError
 from analysis.balls.discs.disc import Disc
 from analysis.balls.discs.finding import find_balls
+from analysis.balls.falling import flights_of, other_fall, without_jumps
 from analysis.balls.films.fields import refuse_combed
 from analysis.balls.films.film import Film, FilmHead, Picture, spread_frames
 from analysis.balls.films.steady import refuse_shaken
 from analysis.balls.flight.known import Ball
-from analysis.balls.found import (
-    CLEAR_FRAMES,
-    MUCH_MORE,
-    Search,
-    another,
-    best_of,
-    stated_first,
-)
-from analysis.balls.gaps import Gap, mended
-from analysis.balls.seen.arcs import Arc, Chain, Sightings, chains, find_arcs, joined
+from analysis.balls.found import MUCH_MORE, Search, another, best_of, frames_of
+from analysis.balls.gaps import Gap
+from analysis.balls.seen.arcs import Chain, Sightings
 from analysis.balls.seen.background import Brightness, background, evened, some_pixels
-from analysis.balls.seen.free_fall import STEADY_RADII, agreeing, as_stated, falls, flown, flying
-from analysis.balls.seen.jumps import jumps
+from analysis.balls.seen.free_fall import STEADY_RADII
 from analysis.balls.seen.looks import (
     LEAST_RADIUS_PX,
     LEAST_SHARE,
@@ -51,8 +44,6 @@ COARSE, LARGE_PICTURE = 4.0, 400_000
 """Times the smallest radius: smaller discs of larger pictures than this (px) are sought last."""
 LEAST_FRAMES = 6
 LEAST_BALL_FRAMES = 6
-FALLS = (1.0, 0.7, 1.4, 0.5, 2.0)
-"""Of the fall that follows from the stated diameter: those that are tried."""
 NEAR_RADII = 0.5
 """From a flight to a disc that is the same thing."""
 HARDLY, LEAST_STEP_PX = 0.15, 2.0
@@ -95,6 +86,7 @@ def search(film: Film, times_s: Floats, ball: Ball, *, complete: bool = False) -
     found: list[tuple[int, Disc]] = []
     seen: list[Search] = []
     refused: ShotRefusedError | None = None
+    otherwise: OtherFallError | None = None
     best: Search | None = None
     for radii, share in _size_ranges(ground):
         found += find_discs_that_move(samples, ground, noise, radii)
@@ -102,6 +94,9 @@ def search(film: Film, times_s: Floats, ball: Ball, *, complete: bool = False) -
         least = share * max(map(weight, groups), default=0.0)
         sought = [looks_of(g, samples, ground, head) for g in groups if weight(g) >= least]
         for one in _searches(film, times_s, ball, sought, (read, ground), complete=complete):
+            if isinstance(one, OtherFallError):
+                otherwise = max(otherwise or one, one, key=lambda each: each.fall.frames)
+                continue
             if isinstance(one, ShotRefusedError):
                 refused = refused or one
                 continue
@@ -109,6 +104,10 @@ def search(film: Film, times_s: Floats, ball: Ball, *, complete: bool = False) -
         best = best_of(seen) if seen else None
         if best is not None and best.bounces_as_stated:
             break
+    if otherwise is not None and (
+        best is None or otherwise.fall.frames > MUCH_MORE * frames_of(best)
+    ):
+        raise otherwise
     if best is not None:
         others = tuple((one.chain, True) for one in seen if another(one, best))
         return replace(best, others=(*best.others, *others))
@@ -153,9 +152,13 @@ def _searches(
         seen = Sightings(times_s, places, (film.head.height, film.head.width))
         stated = np.array([ball.gravity * 2 * looks.radius_px / ball.diameter_m, 0.0])
         gaps: tuple[Gap, ...] = ()
-        flights = _flights(seen, looks, stated)
+        flights = flights_of(seen, looks, stated)
         if not complete:
-            seen, gaps, flights = _without_jumps(seen, looks, stated, flights)
+            seen, gaps, flights = without_jumps(seen, looks, stated, flights)
+        other = other_fall(seen, looks, stated, flights)
+        if other is not None:
+            yield OtherFallError(other, ball.diameter_m, looks, seen)
+            continue
         if flights is None:
             said = f"{_way(seen, looks)}; no flight of four frames is in this film"
             yield CarriedError(said, looks, seen)
@@ -166,79 +169,6 @@ def _searches(
         odd = bool(fall[0] != stated[0])
         known = seen.times_s, gaps
         yield Search(looks, chain, fall, others, beyond, repeated, gains, about, odd, *known)
-
-
-def _without_jumps(
-    seen: Sightings, looks: Looks, stated: Floats, flights: _Flights | None
-) -> tuple[Sightings, tuple[Gap, ...], _Flights | None]:
-    """Return sightings with times by which most of them are flights, gaps of these, and flights."""
-    fall = stated if flights is None else flights[2]
-    gaps = tuple(jumps(seen, find_arcs(seen, looks.radius_px, fall), looks.radius_px, fall))
-    while gaps:
-        later = replace(seen, times_s=mended(seen.times_s, gaps))
-        again = _flights(later, looks, stated)
-        if again is None or _whole(again) < _whole(flights):
-            break
-        if flights is not None and flights[2][0] == stated[0] != again[2][0]:
-            # What falls as stated does not fall otherwise with the right times.
-            break
-        # What jumps before or after the ball's flights may be another thing.
-        flown_in = np.concatenate([arc.frames for arc in again[1].arcs])
-        inside = tuple(gap for gap in gaps if flown_in.min() < gap.frame <= flown_in.max())
-        if inside == gaps:
-            return later, gaps, again
-        gaps = inside
-    return seen, (), flights
-
-
-def _whole(flights: _Flights | None) -> tuple[int, int]:
-    """Return in how many frames a ball flies, and how few pieces that takes."""
-    if flights is None:
-        return 0, 0
-    arcs = flights[1].arcs
-    return sum(len(arc.frames) for arc in arcs), -len(arcs)
-
-
-_Flights = tuple[list[Chain], Chain, Floats]
-"""Chains, the part of the strongest that the ball flies, and its fall."""
-
-
-def _flights(seen: Sightings, looks: Looks, stated: Floats) -> _Flights | None:
-    """Return chains of flights, the part of the strongest that the ball flies, and its fall.
-
-    Where few flights bend as the stated diameter says, other falls are tried: a person may have
-    stated a radius, or another rate. Only flights that bend alike on both sides of a bounce count.
-    """
-    best: _Flights | None = None
-    own: list[Arc] = []
-    most = 0
-    for share in FALLS:
-        fall = share * stated
-        arcs = joined(find_arcs(seen, looks.radius_px, fall), looks.radius_px, fall, seen.shape)
-        flights = _linked(arcs, looks, fall, stated)
-        if flights is None:
-            continue
-        frames, alike = agreeing(flights[1], looks, fall)
-        clear = frames >= CLEAR_FRAMES and alike > 1
-        if (share == 1.0 or clear) and (best is None or frames > MUCH_MORE * most):
-            best, own, most = flights, arcs, frames
-    if best is not None and best[2][0] != stated[0] and as_stated(best[1], looks, stated):
-        # A larger fall follows a ball over lower bounces, though it bends as stated.
-        best = _linked(own, looks, stated, stated) or best
-    return best
-
-
-def _linked(arcs: Sequence[Arc], looks: Looks, fall: Floats, stated: Floats) -> _Flights | None:
-    """Return chains of arcs that fall, the part of the strongest that the ball flies, and its fall.
-
-    None where no chain falls.
-    """
-    linked = [each for each in chains(arcs, looks.radius_px, fall) if falls(each, looks, fall)]
-    if not linked:
-        return None
-    if np.array_equal(fall, stated):
-        stated_first(linked, looks, fall)
-    return linked, flown(flying(linked[0], looks, fall), looks.radius_px), fall
 
 
 def _evened(samples: dict[int, Picture], head: FilmHead) -> tuple[dict[int, Picture], Picture]:

@@ -13,7 +13,16 @@ from analysis.balls import measuring
 from analysis.balls.flight.lost import Found
 from analysis.balls.gaps import Gap
 from tests.unit.cli import odd_films
-from tests.unit.cli.falling_ball import RADIUS, RATE, SIZE, Drawn, answer, bouncing, save
+from tests.unit.cli.falling_ball import (
+    DIAMETER_MM,
+    RADIUS,
+    RATE,
+    SIZE,
+    Drawn,
+    answer,
+    bouncing,
+    save,
+)
 
 Capsys = pytest.CaptureFixture[str]
 
@@ -209,6 +218,28 @@ def test_a_film_that_stands_upside_down_is_told_though_something_falls_upright_i
     shot = analysed(odd_films.upside_down_after_a_fall(), tmp_path, capsys)
     assert "upside down" in shot["notes"][0]
     assert is_true(shot["impacts"][0], 0.8)
+
+
+@pytest.mark.parametrize(
+    ("rate", "diameter", "unit", "right"),
+    [
+        (RATE / 8, DIAMETER_MM, "frames/s", RATE),
+        (RATE, DIAMETER_MM / 10, "mm", DIAMETER_MM),
+        (RATE, DIAMETER_MM * 10, "mm", DIAMETER_MM),
+    ],
+)
+def test_a_film_in_slow_motion_and_a_diameter_in_another_unit_are_told_by_the_fall(
+    tmp_path: Path, capsys: Capsys, rate: float, diameter: float, unit: str, right: float
+) -> None:
+    film = save(tmp_path / "film", odd_films.frames_missing(0, 0))
+    size = ("--ball-diameter-mm", str(diameter))
+    shot = answer(capsys, str(film), *size, "--fps", str(rate))
+    assert shot["status"] == "refused"
+    proposed = re.search(rf"about ([\d.]+) {unit}", shot["reason"])
+    assert proposed is not None, shot["reason"]
+    assert float(proposed[1]) == pytest.approx(right, rel=0.03)
+    assert "upside down" not in shot["reason"]
+    assert len(shot["positions"]["frame"]) > 100
 
 
 def test_a_film_of_noise_is_not_taken_for_an_interlaced_one(tmp_path: Path, capsys: Capsys) -> None:

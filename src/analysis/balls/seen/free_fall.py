@@ -38,7 +38,7 @@ def agreeing(chain: Chain, looks: Looks, fall: Floats) -> tuple[int, int]:
 
     What is no ball goes through pieces of falls too, each of which bends in its own way.
     """
-    bends = [(arc, _bend([arc], looks, fall)) for arc in chain.arcs]
+    bends = [(arc, bend_of([arc], looks, fall)) for arc in chain.arcs]
     known = [(arc, *bend) for arc, bend in bends if bend is not None]
     most = 0, 0
     for _, middle, _ in known:
@@ -60,7 +60,7 @@ def falls(chain: Chain, looks: Looks, fall: Floats) -> bool:
     """
     if all(_stays(arc, looks) for arc in chain.arcs):
         return False
-    bend = _bend(chain.arcs, looks, fall)
+    bend = bend_of(chain.arcs, looks, fall)
     if bend is None:
         return False
     (share, sigma), (low, high) = bend, FALL_SHARE
@@ -69,11 +69,11 @@ def falls(chain: Chain, looks: Looks, fall: Floats) -> bool:
 
 def as_stated(chain: Chain, looks: Looks, fall: Floats) -> bool:
     """Return whether a chain's flights surely bend as the stated diameter says."""
-    bend = _bend(chain.arcs, looks, fall)
+    bend = bend_of(chain.arcs, looks, fall)
     return bend is not None and abs(bend[0] - 1.0) + bend[1] < STATED_SHARE
 
 
-def _bend(arcs: Sequence[Arc], looks: Looks, fall: Floats) -> tuple[float, float] | None:
+def bend_of(arcs: Sequence[Arc], looks: Looks, fall: Floats) -> tuple[float, float] | None:
     """Return the bend of flights as a share of the fall, and its error; None: all too short."""
     error = SEEN_RADII * looks.radius_px + SEEN_PX
     weight = bend = 0.0
@@ -113,7 +113,7 @@ def flying(chain: Chain, looks: Looks, fall: Floats) -> Chain:
     in bounces.
     """
     first, last = 0, len(chain.arcs)
-    bends = [_bend([arc], looks, fall) for arc in chain.arcs]
+    bends = [bend_of([arc], looks, fall) for arc in chain.arcs]
     still = [each is not None and each[0] + each[1] < FALL_SHARE[0] for each in bends]
     while first < last - 1 and still[first] and _stays(chain.arcs[first], looks):
         first += 1

@@ -1,0 +1,152 @@
+"""The flights of one ball among its sightings: they fall as its diameter says, or otherwise.
+
+A stated diameter gives the scale of the picture, and with the film's rate how fast things fall in
+it. People state a radius, or centimetres for millimetres, and a film in slow motion has the rate of
+the player: what falls otherwise in one way throughout is the ball all the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from analysis.arrays import Floats
+from analysis.balls.found import CLEAR_FRAMES, MUCH_MORE, stated_first
+from analysis.balls.gaps import Gap, mended
+from analysis.balls.seen.arcs import Arc, Chain, Sightings, chains, find_arcs, joined
+from analysis.balls.seen.free_fall import agreeing, as_stated, bend_of, falls, flown, flying
+from analysis.balls.seen.jumps import jumps
+from analysis.balls.seen.looks import Looks
+
+FALLS = (1.0, 0.7, 1.4, 0.5, 2.0)
+"""Of the fall that follows from the stated diameter: those that are tried."""
+OTHER_FALLS = tuple(2.0**k for k in (*range(-2, -13, -1), *range(2, 6)))
+"""Of that fall, what a diameter in another unit and a film in slow motion make of it: 1000 frames/s
+that are shown at 25 fall 1600 times as slowly. Each is found from half of it to twice."""
+MOST_UNSURE = 0.1
+"""Error of another fall, as a share of it."""
+LEAST_OF_SEEN = 1 / 3
+"""Of the frames in which the ball is seen: flights that fall otherwise."""
+
+Flights = tuple[list[Chain], Chain, Floats]
+"""Chains, the part of the strongest that the ball flies, and its fall."""
+
+
+def without_jumps(
+    seen: Sightings, looks: Looks, stated: Floats, flights: Flights | None
+) -> tuple[Sightings, tuple[Gap, ...], Flights | None]:
+    """Return sightings with times by which most of them are flights, gaps of these, and flights."""
+    fall = stated if flights is None else flights[2]
+    gaps = tuple(jumps(seen, find_arcs(seen, looks.radius_px, fall), looks.radius_px, fall))
+    while gaps:
+        later = replace(seen, times_s=mended(seen.times_s, gaps))
+        again = flights_of(later, looks, stated)
+        if again is None or whole(again) < whole(flights):
+            break
+        if flights is not None and flights[2][0] == stated[0] != again[2][0]:
+            # What falls as stated does not fall otherwise with the right times.
+            break
+        # What jumps before or after the ball's flights may be another thing.
+        flown_in = np.concatenate([arc.frames for arc in again[1].arcs])
+        inside = tuple(gap for gap in gaps if flown_in.min() < gap.frame <= flown_in.max())
+        if inside == gaps:
+            return later, gaps, again
+        gaps = inside
+    return seen, (), flights
+
+
+def whole(flights: Flights | None) -> tuple[int, int]:
+    """Return in how many frames a ball flies, and how few pieces that takes."""
+    if flights is None:
+        return 0, 0
+    arcs = flights[1].arcs
+    return sum(len(arc.frames) for arc in arcs), -len(arcs)
+
+
+def flights_of(seen: Sightings, looks: Looks, stated: Floats) -> Flights | None:
+    """Return chains of flights, the part of the strongest that the ball flies, and its fall.
+
+    Where few flights bend as the stated diameter says, other falls are tried: a person may have
+    stated a radius, or another rate. Only flights that bend alike on both sides of a bounce count.
+    """
+    best: Flights | None = None
+    own: list[Arc] = []
+    most = 0
+    for share in FALLS:
+        fall = share * stated
+        arcs = joined(find_arcs(seen, looks.radius_px, fall), looks.radius_px, fall, seen.shape)
+        flights = _linked(arcs, looks, fall, stated)
+        if flights is None:
+            continue
+        frames, alike = agreeing(flights[1], looks, fall)
+        clear = frames >= CLEAR_FRAMES and alike > 1
+        if (share == 1.0 or clear) and (best is None or frames > MUCH_MORE * most):
+            best, own, most = flights, arcs, frames
+    if best is not None and best[2][0] != stated[0] and as_stated(best[1], looks, stated):
+        # A larger fall follows a ball over lower bounces, though it bends as stated.
+        best = _linked(own, looks, stated, stated) or best
+    return best
+
+
+def _linked(arcs: Sequence[Arc], looks: Looks, fall: Floats, stated: Floats) -> Flights | None:
+    """Return chains of arcs that fall, the part of the strongest that the ball flies, and its fall.
+
+    None where no chain falls.
+    """
+    linked = [each for each in chains(arcs, looks.radius_px, fall) if falls(each, looks, fall)]
+    if not linked:
+        return None
+    if np.array_equal(fall, stated):
+        stated_first(linked, looks, fall)
+    return linked, flown(flying(linked[0], looks, fall), looks.radius_px), fall
+
+
+@dataclass(frozen=True, slots=True)
+class OtherFall:
+    """Flights that fall otherwise than a stated diameter and rate say.
+
+    Attributes
+    ----------
+    share
+        Of the fall that was stated.
+    frames
+        Number of those in which they do.
+    first, last
+        Frame, row and column where they begin and end.
+    """
+
+    share: float
+    frames: int
+    first: tuple[int, float, float]
+    last: tuple[int, float, float]
+
+
+def other_fall(
+    seen: Sightings, looks: Looks, stated: Floats, flights: Flights | None
+) -> OtherFall | None:
+    """Return how a ball falls that falls far otherwise than stated; None where none surely does.
+
+    At least two of its flights bend alike, in far more frames than those of `flights`.
+    """
+    most = 0 if flights is None else agreeing(flights[1], looks, flights[2])[0]
+    least = LEAST_OF_SEEN * sum(len(places) > 0 for places in seen.places)
+    best: OtherFall | None = None
+    for share in OTHER_FALLS:
+        fall = share * stated
+        arcs = joined(find_arcs(seen, looks.radius_px, fall), looks.radius_px, fall, seen.shape)
+        other = _linked(arcs, looks, fall, stated)
+        if other is None:
+            continue
+        frames, alike = agreeing(other[1], looks, fall)
+        bent = bend_of(other[1].arcs, looks, fall)
+        if frames < max(CLEAR_FRAMES, least, 2 * most) or alike < 2 or bent is None:
+            continue
+        if bent[1] < MOST_UNSURE * bent[0] and (best is None or frames > best.frames):
+            ends = [
+                (int(arc.frames[k]), *arc.places[k].tolist())
+                for arc, k in ((other[1].arcs[0], 0), (other[1].arcs[-1], -1))
+            ]
+            best = OtherFall(share * bent[0], frames, ends[0], ends[1])
+    return best
