@@ -49,6 +49,9 @@ NEAR_RADII = 0.5
 HARDLY, LEAST_STEP_PX = 0.15, 2.0
 """Share of the steps beside it that the disc of a picture shown twice moves at most, and the least
 of these steps, px."""
+SLOW, FAST_QUANTILE = 0.15, 0.9
+"""Of the ball's fast steps: it moves by less in the frames beside one in which it rests or is at
+the top of a flight."""
 
 
 def search(film: Film, times_s: Floats, ball: Ball, *, complete: bool = False) -> Search:
@@ -245,12 +248,10 @@ def _repeated(places: Sequence[Floats]) -> tuple[int, ...]:
 
     All that is seen in such a frame is where it was, to the bit. Where a codec has coded the second
     picture anew, the surest disc has moved by a small share of its steps before and after, which
-    point the same way: at the top of a flight and on the plate they do not.
+    point the same way: at the top of a flight and on the plate they do not. A codec skips a ball
+    that is held, or at the top of a flight, too: what says that pictures are shown twice is a ball
+    that moves before and after.
     """
-    again = [
-        len(places[k]) > 0 and np.array_equal(places[k], places[k - 1])
-        for k in range(1, len(places))
-    ]
     middle = np.array([p[0, :2] if len(p) else (np.nan, np.nan) for p in places]).reshape(-1, 2)
     steps = np.diff(middle, axis=0)
     sizes = np.hypot(*steps.T)
@@ -258,7 +259,37 @@ def _repeated(places: Sequence[Floats]) -> tuple[int, ...]:
     onward = (steps[:-2] * steps[2:]).sum(axis=1) > 0
     hardly = (sizes[1:-1] < HARDLY * beside) & (beside > LEAST_STEP_PX) & onward
     nearly = {2 + int(k) for k in np.flatnonzero(hardly)}
-    return tuple(k for k in range(1, len(places)) if again[k - 1] or k in nearly)
+    again = [
+        k
+        for k in range(1, len(places))
+        if len(places[k]) and np.array_equal(places[k], places[k - 1])
+    ]
+    if not nearly and not _moves_beside(again, sizes):
+        return ()
+    return tuple(sorted({*again, *nearly}))
+
+
+def _moves_beside(again: Sequence[int], sizes: Floats) -> bool:
+    """Return whether a ball moves before and after some pictures that repeat the one before.
+
+    Parameters
+    ----------
+    again
+        Frames of these pictures.
+    sizes
+        Of its steps from each frame to the next, px; nan where it is not seen.
+    """
+    least = SLOW * np.nanquantile(sizes, FAST_QUANTILE) if np.isfinite(sizes).any() else np.inf
+    for k in again:
+        first = last = k
+        while first - 1 in again:
+            first -= 1
+        while last + 1 in again:
+            last += 1
+        # Step n goes from frame n to frame n + 1.
+        if first >= 2 and last < len(sizes) and min(sizes[first - 2], sizes[last]) > least:
+            return True
+    return False
 
 
 def _unexplained(seen: Sightings, linked: Sequence[Chain], chain: Chain) -> Floats:

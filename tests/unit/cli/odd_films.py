@@ -48,6 +48,21 @@ def released() -> tuple[list[Drawn], int]:
     return shown, held
 
 
+def skipped_by_a_codec() -> tuple[list[Drawn], int]:
+    """Draw 50 frames/s in which a codec skips a ball that is held, and at the top of its flight.
+
+    Returns
+    -------
+    The pictures, and the first in which the ball has fallen.
+    """
+    held, top = 13, 31
+    shown = [picture(40.0 + 0.003 * (k % 2)) for k in range(9)]
+    shown += [shown[-1]] * (held - len(shown))
+    flies = [picture(row) for row in bouncing(200)[4::4]]
+    flies[top - 1] = flies[top - 2]
+    return [*shown, *flies], held
+
+
 def hand_beside() -> list[Drawn]:
     """Draw a hand that waves beside a ball that bounces."""
     return [

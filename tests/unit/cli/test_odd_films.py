@@ -70,6 +70,18 @@ def test_a_hand_that_holds_the_ball_and_lets_it_go_is_left_out(
     assert "(40, 60)" in said(shot, "held or rests")
 
 
+def test_a_ball_that_a_codec_skips_while_it_rests_is_in_no_flight_and_no_picture_shown_twice(
+    tmp_path: Path, capsys: Capsys
+) -> None:
+    pictures, released = odd_films.skipped_by_a_codec()
+    shot = analysed(pictures, tmp_path, capsys, 50)
+    assert not any("once more" in note for note in shot["notes"])
+    assert "in frames 0 to" in said(shot, "held or rests")
+    assert min(shot["impacts"][0]["frames_before"]) >= released - 3
+    assert all(abs(i["e"]["value"] - 0.8) < 4 * i["e"]["sigma"] < 0.08 for i in shot["impacts"])
+    assert len(shot["impacts"]) == 2
+
+
 def test_a_hand_that_moves_beside_the_ball_is_no_ball(tmp_path: Path, capsys: Capsys) -> None:
     shot = analysed(odd_films.hand_beside(), tmp_path, capsys)
     assert is_true(shot["impacts"][0], 0.8)

@@ -22,6 +22,8 @@ FALL_SIGMA = 0.15
 """Relative, of the fall in pixels that follows from the ball's size in the picture."""
 LEAST_FRAMES = 4
 TOLERANCE_RADII, TOLERANCE_PX = 0.35, 1.0
+MOST_MOVED = 0.5
+"""Scatter about one place over that about a fall, of places that rest."""
 MOST_SEED_RADII = 14.0
 """A ball moves by no more of its radii from one frame to the next."""
 
@@ -58,6 +60,17 @@ class Arc:
         places = np.ascontiguousarray(self.places[part])
         return course(np.ascontiguousarray(self.times_s[part]), places, fall)
 
+    def rests(self, fall: Floats) -> bool:
+        """Return whether its places stay where they are far more closely than they fall.
+
+        A search with a wide tolerance takes a ball that is held for some frames of a fall.
+        """
+        middle, place, speed = self.course_of(slice(None), fall)
+        gone = (self.times_s - middle)[:, None]
+        falling = self.places - (place + speed * gone + 0.5 * fall * gone**2)
+        staying = self.places - self.places.mean(axis=0)
+        return bool((staying**2).sum() < MOST_MOVED**2 * (falling**2).sum())
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sightings:
@@ -81,6 +94,8 @@ class Sightings:
 def find_arcs(seen: Sightings, radius_px: float, fall: Floats) -> list[Arc]:
     """Return pieces of free flight, in order of time; no sighting belongs to two.
 
+    What rests is no flight.
+
     Parameters
     ----------
     fall
@@ -90,7 +105,8 @@ def find_arcs(seen: Sightings, radius_px: float, fall: Floats) -> list[Arc]:
     search = _Search(seen, radius_px, fall, free)
     arcs = []
     while (arc := search.best()) is not None:
-        arcs.append(arc)
+        if not arc.rests(fall):
+            arcs.append(arc)
     return sorted(arcs, key=lambda arc: float(arc.times_s[0]))
 
 

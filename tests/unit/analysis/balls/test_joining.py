@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.balls.seen.arcs import Arc, Chain, joined
+from analysis.balls.seen.arcs import Arc, Chain, Sightings, find_arcs, joined
 from analysis.balls.seen.free_fall import falls
 from analysis.balls.seen.looks import Looks
 
@@ -43,6 +43,16 @@ def test_short_hops_on_a_plate_stay_apart() -> None:
     hop = 300.0 - fallen(0.0, np.abs(np.arange(-5.0, 6.0)))
     hop = hop.min() + hop.max() - hop
     assert len(joined([arc(0, hop), arc(11, hop)], RADIUS, FALL, SHAPE)) == 2
+
+
+def test_what_rests_is_no_flight_though_its_frames_are_too_few_to_show_how_they_bend() -> None:
+    held = np.array([60.002, 60.0, 60.001, 60.0])
+    falls = fallen(0.0, np.arange(30.0))
+    places = [np.array([[row, 100.0, 1.0]]) for row in [*held, *[np.nan] * 4, *falls]]
+    seen = [each[np.isfinite(each[:, 0])] for each in places]
+    sightings = Sightings(np.arange(len(seen)) / RATE, seen, SHAPE)
+    (found,) = find_arcs(sightings, RADIUS, FALL)
+    assert found.frames.tolist() == list(range(8, 38))
 
 
 def test_a_fast_flight_that_is_followed_over_its_bounce_still_falls() -> None:
