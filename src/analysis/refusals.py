@@ -7,7 +7,7 @@ happened: a sphere that leaves the stated view, spheres that pass each other, a 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -104,9 +104,9 @@ def check_enough(poses: ShotPoses, side: Side, sphere: int | None) -> None:
         )
 
 
-def check_seen(poses: ShotPoses, side: Side, sphere: int) -> None:
-    """Refuse where too few frames show a coordinate."""
-    seen = np.isfinite(poses.position_sigma[side.rows, sphere]).sum(axis=0)
+def check_seen(poses: ShotPoses, side: Side, sphere: int, axes: Sequence[str] = "XYZ") -> None:
+    """Refuse where too few frames show one of the first coordinates."""
+    seen = np.isfinite(poses.position_sigma[side.rows, sphere, : len(axes)]).sum(axis=0)
     axis = int(seen.argmin())
     if seen[axis] < LEAST_OF_A_COORDINATE:
         raise ShotRefusedError(

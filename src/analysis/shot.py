@@ -58,6 +58,7 @@ def measuring_notes(tracking: Tracking, setup: Setup, sides: TwoSides) -> tuple[
     for name, orientations in zip("ab", tracking.orientations, strict=True):
         for k, reason in sorted(orientations.left_out.items()):
             notes.append(f"frame {k} has no orientation of sphere {name}: {reason}")
+    notes += sides.heights
     if sides.false_spins is not None:
         notes.append(f"no spins of sphere {sides.false_spins}: {FALSE_SPINS}")
     elif sides.impact.v_s is None:

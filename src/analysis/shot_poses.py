@@ -83,6 +83,17 @@ class ShotPoses:
         """Which spheres have any coordinate measured, shape (F, 2)."""
         return np.asarray(np.isfinite(self.position_sigma).any(axis=2))
 
+    def track(self, sphere: int, rows: Frames) -> Centres:
+        """Return the places of a sphere in some of the rows."""
+        position, sigma = self.position[rows, sphere], self.position_sigma[rows, sphere]
+        return Centres(self.frames[rows], position, sigma)
+
+    def clock(self) -> Floats:
+        """Return the time of each frame by its number, s; 0 for those without poses."""
+        times_s = np.zeros(self.frames[-1] + 1 if self.frames.size else 0)
+        times_s[self.frames] = self.times_s
+        return times_s
+
     def both_shown(self) -> NDArray[np.bool_]:
         """Return which frames show both spheres, in two coordinates at least, shape (F,)."""
         seen = np.isfinite(self.position_sigma).sum(axis=2) >= LEAST_COORDINATES

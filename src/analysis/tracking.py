@@ -104,6 +104,9 @@ class Tracking:
 
 MOST_SCALE_CONFLICT = 0.02
 """A stated scale and the radius in the images differ by more than any shading: one is wrong."""
+FRAMES_FOR_COLUMNS, LASTING_PX = 4, 0.05
+"""With a sphere in both views, for the ratio of their scales; and what light moves a disc by, in
+one view more than in the other, while it flies on."""
 SCALE_SIGMA_FROM_IMAGES = 0.003
 """A radius from shaded edges is good to about this share of itself; none is without it."""
 
@@ -219,6 +222,7 @@ def tracking_of(
     """
     views = view_geometries(setup.camera)
     scales, scale_sigma = _scales(seen.radii, bias.radius, setup)
+    scales = _scales_by_columns(discs, scales)
     a, b = (centres(discs, i, views, scales, (settings.sigma_px, least_px)) for i in (0, 1))
     return Tracking(
         spheres=discs.tracks(),
@@ -315,3 +319,29 @@ def _scales(
             f"{100 * MOST_SCALE_CONFLICT:g} % are allowed; check scale_px_per_m and diameter_m",
         )
     return {view: given * s / measured[View.FRONT] for view, s in measured.items()}, 0.0
+
+
+def _scales_by_columns(discs: FilmDiscs, scales: dict[View, float]) -> dict[View, float]:
+    """Return the scales, that of the top view by its columns too, which show Y as the front's do.
+
+    What a sphere moves by in the columns of both views gives the ratio of the scales; over many
+    radii better than the radii do, of which light from one side takes a share in each view.
+    """
+    if View.TOP not in scales:
+        return scales
+    front, top = discs.views.index(View.FRONT), discs.views.index(View.TOP)
+    ratio, weight = scales[View.TOP] / scales[View.FRONT], SCALE_SIGMA_FROM_IMAGES**-2.0
+    total = weight * ratio
+    for circles, found in zip(discs.circles, discs.found, strict=True):
+        seen = found[front] & found[top]
+        if np.count_nonzero(seen) < FRAMES_FOR_COLUMNS:
+            continue
+        moved, above = (
+            circles[view, seen, 1] - circles[view, seen, 1].mean() for view in (front, top)
+        )
+        spread = float(moved @ moved)
+        slope = float(moved @ above) / max(spread, 1e-9)
+        off_px = max(float(np.sqrt(np.mean((above - slope * moved) ** 2))), LASTING_PX)
+        own = spread / len(moved) / off_px**2
+        total, weight = total + own * slope, weight + own
+    return {**scales, View.TOP: scales[View.FRONT] * total / weight}

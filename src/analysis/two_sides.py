@@ -19,6 +19,7 @@ from analysis.collision.coefficients import (
     Motion,
     first_touch,
     measure_impact,
+    touch_with_error,
 )
 from analysis.collision.contact_frames import inside_contact
 from analysis.collision.instant import NoTouchError
@@ -26,11 +27,11 @@ from analysis.collision.spin_balance import contradicted
 from analysis.errors import ShotRefusedError
 from analysis.motion.cutting import cut_tears
 from analysis.motion.drift import Drift, correlation_time
-from analysis.motion.poses import Centres
 from analysis.motion.rotation import rotation_vector
 from analysis.motion.spin import Spin, fit_spin, three_frame_spin
 from analysis.motion.split import LEAST_FRAMES, split_at_contact
 from analysis.motion.tears import LEAST_IN_ONE_VIEW, LEAST_TOGETHER, agreeing_turns
+from analysis.motion.unseen_heights import paths_after
 from analysis.motion.velocity import NO_DRAG, FlightPath, fit_flight, three_frame_flight
 from analysis.refusals import (
     check_between,
@@ -47,6 +48,8 @@ from analysis.sides import Side
 
 THESIS_INTERVAL_S = 2e-3
 LEAST_TURNS = 2
+LEAST_SHOWN = 2
+"""Heights after contact, of one sphere or of both: the others follow (`unseen_heights`)."""
 MOST_FLIGHT_CHI2 = 8.0
 """Of a track's fit, slow errors allowed for; sound shots stay below 1.5."""
 NO_MEMORY = Drift(0.0, 1.0)
@@ -69,6 +72,8 @@ class TwoSides:
     false_spins
         Sphere whose spins the impulse or the other sphere's spins contradict; they are not
         measured.
+    heights
+        By what a sphere that the top view does not show after contact has its height; sentences.
     flight_chi2
         Chi-squared per degree of freedom of positions, of both spheres before and after contact,
         shape (4,); not a number without freedom.
@@ -83,6 +88,7 @@ class TwoSides:
     wild: tuple[tuple[str, int], ...]
     astray: tuple[tuple[str, int], ...]
     false_spins: str | None
+    heights: tuple[str, ...]
     flight_chi2: Floats
     spin_chi2: Floats
 
@@ -128,16 +134,16 @@ def measure_two_sides(
         for side, i in product(sides, (0, 1)):
             astray[side.rows, i] = _astray(left, side, i, scene, depth_seen=depth_seen)
         left = left.without_turns(astray)
-    for side in sides:
-        for i in (0, 1):
-            check_enough(left, side, i)
+    for side, i in product(sides, (0, 1)):
+        check_enough(left, side, i)
+        if three_and_three:
             check_seen(left, side, i)
-    motions = tuple(
-        _thesis_motion(left, i, sides, contact, scene)
-        if three_and_three
-        else _fitted_motion(left, i, sides, contact, scene)
-        for i in (0, 1)
-    )
+    motions: tuple[Motion, ...]
+    heights: tuple[str, ...] = ()
+    if three_and_three:
+        motions = tuple(_thesis_motion(left, i, sides, contact, scene) for i in (0, 1))
+    else:
+        motions, heights = _fitted_motions(left, sides, contact, scene)
     for i, motion in enumerate(motions):
         for side, path in zip(sides, (motion.before, motion.after), strict=True):
             check_free_flight(left, side, i, path, most_chi2)
@@ -156,6 +162,7 @@ def measure_two_sides(
         wild=_named(poses, wild),
         astray=_named(poses, astray),
         false_spins=None if false is None else "ab"[false],
+        heights=heights,
         flight_chi2=np.array([p.chi2_per_dof for m in motions for p in (m.before, m.after)]),
         spin_chi2=np.array(
             [
@@ -229,27 +236,14 @@ def _tears(poses: ShotPoses, scene: Scene) -> NDArray[np.bool_]:
     are wrong, which `check_free_flight` refuses.
     """
     rows = (np.flatnonzero(poses.placed[:, i]) for i in (0, 1))
-    a, b = (_track(poses, i, own) for i, own in enumerate(rows))
-    off = cut_tears((a, b), _clock(poses), scene.gravity, sum(scene.radii))
+    a, b = (poses.track(i, own) for i, own in enumerate(rows))
+    off = cut_tears((a, b), poses.clock(), scene.gravity, sum(scene.radii))
     torn = np.stack([np.isin(poses.frames, list(own)) for own in off], axis=1)
     both = torn.all(axis=1)
     sound = poses.frames[poses.both_shown() & ~both]
     beside = np.isin(poses.frames - 1, sound) & np.isin(poses.frames + 1, sound)
     torn[both & ~beside] = False
     return torn
-
-
-def _track(poses: ShotPoses, sphere: int, rows: Frames) -> Centres:
-    return Centres(
-        poses.frames[rows], poses.position[rows, sphere], poses.position_sigma[rows, sphere]
-    )
-
-
-def _clock(poses: ShotPoses) -> Floats:
-    """Return the time of each frame by its number, s; 0 for those without poses."""
-    times_s = np.zeros(poses.frames[-1] + 1 if poses.frames.size else 0)
-    times_s[poses.frames] = poses.times_s
-    return times_s
 
 
 def _sides(poses: ShotPoses, scene: Scene) -> tuple[tuple[Side, Side], float, Frames]:
@@ -275,8 +269,8 @@ def _split(poses: ShotPoses, shown: Frames, scene: Scene) -> tuple[Frames, Frame
     """Return the rows before and after the kink of the tracks."""
     if shown.size == 0:
         raise ShotRefusedError("contact", "no frame shows both spheres")
-    a, b = (_track(poses, i, shown) for i in (0, 1))
-    split = split_at_contact(a, b, _clock(poses), scene.gravity)
+    a, b = (poses.track(i, shown) for i in (0, 1))
+    split = split_at_contact(a, b, poses.clock(), scene.gravity)
     later = poses.frames[shown] >= split
     return shown[~later], shown[later]
 
@@ -336,27 +330,43 @@ def _drifts(
     return Drift(scene.slow.position_m, lasting), Drift(scene.slow.rotation_rad, lasting)
 
 
-def _fitted_motion(
-    poses: ShotPoses, sphere: int, sides: tuple[Side, Side], contact: float, scene: Scene
-) -> Motion:
-    """Fit all frames of both sides by least squares."""
-    centre, turn = _drifts(poses, sphere, sides, scene)
-    paths: list[FlightPath] = []
-    spins: list[Spin | None] = []
-    for side in sides:
-        paths.append(
-            fit_flight(
-                *_placed(poses, side, sphere),
-                centre,
-                gravity=scene.gravity,
-                reference_s=contact,
-                drag=scene.drag(sphere),
-            )
+def _fitted_motions(
+    poses: ShotPoses, sides: tuple[Side, Side], contact: float, scene: Scene
+) -> tuple[tuple[Motion, ...], tuple[str, ...]]:
+    """Fit all frames of both sides by least squares; say by what heights are known besides."""
+    drifts = [_drifts(poses, i, sides, scene) for i in (0, 1)]
+
+    def fit(sphere: int, placed: tuple[Floats, Floats, Floats]) -> FlightPath:
+        return fit_flight(
+            *placed,
+            drifts[sphere][0],
+            gravity=scene.gravity,
+            reference_s=contact,
+            drag=scene.drag(sphere),
         )
-        turning = _turning(poses, side, sphere)
-        determined = len(turning[0]) >= LEAST_TURNS
-        spins.append(fit_spin(*turning, turn) if determined else None)
-    return Motion(paths[0], paths[1], spins[0], spins[1])
+
+    first, second = ([_placed(poses, side, i) for i in (0, 1)] for side in sides)
+    shown = sum(min(int(np.isfinite(own[2][:, 2]).sum()), LEAST_SHOWN) for own in second)
+    for i in (0, 1):
+        check_seen(poses, sides[0], i)
+        check_seen(poses, sides[1], i, "XY" if shown >= LEAST_SHOWN else "XYZ")
+    before = fit(0, first[0]), fit(1, first[1])
+    masses = scene.bodies[0].mass, scene.bodies[1].mass
+    try:
+        touch, sigma = touch_with_error(*before, scene.radii, scene.slow.common_m, scene.slow.scale)
+    except NoTouchError as miss:
+        raise never_meet(miss, scene.radii) from miss
+    at_touch = before[0].moved_to(touch), before[1].moved_to(touch)
+    slow = scene.slow.position_m, sigma
+    after, heights = paths_after(at_touch, (second[0], second[1]), masses, slow, fit)
+    motions = []
+    for i in (0, 1):
+        turnings = [_turning(poses, side, i) for side in sides]
+        spins = [
+            fit_spin(*own, drifts[i][1]) if len(own[0]) >= LEAST_TURNS else None for own in turnings
+        ]
+        motions.append(Motion(before[i], after[i], spins[0], spins[1]))
+    return tuple(motions), heights
 
 
 def _thesis_motion(

@@ -101,6 +101,31 @@ def first_touch(a: FlightPath, b: FlightPath, radii: tuple[float, float]) -> flo
     return a.reference_s + float(_wait(separation, relative, np.array(sum(radii))))
 
 
+def touch_with_error(
+    a: FlightPath, b: FlightPath, radii: tuple[float, float], lasting_m: float, scale_sigma: float
+) -> tuple[float, float]:
+    """Return the time of first touch, s from the first frame, and its standard error.
+
+    Parameters
+    ----------
+    lasting_m
+        Standard error along each axis that a sphere's places have in all frames.
+    scale_sigma
+        Relative standard error of the scale.
+
+    Raises
+    ------
+    NoTouchError
+        The paths do not touch.
+    """
+    touch = first_touch(a, b, radii)
+    (at_a, v_a), (at_b, v_b) = a.at(touch), b.at(touch)
+    normal = (at_b - at_a) / np.linalg.norm(at_b - at_a)
+    places = a.covariance[:3, :3] + b.covariance[:3, :3]
+    along = float(normal @ places @ normal) + 2.0 * lasting_m**2 + (sum(radii) * scale_sigma) ** 2
+    return touch, math.sqrt(along) / abs(float((v_b - v_a) @ normal))
+
+
 def _wait(separation: Floats, relative: Floats, distance: Floats) -> Floats:
     """Return the times to the touch of one pair or many.
 

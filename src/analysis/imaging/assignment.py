@@ -6,8 +6,6 @@ a sphere may rise into the rows of the other view, so rows alone do not tell.
 
 from __future__ import annotations
 
-from itertools import product
-
 import numpy as np
 
 from analysis.arrays import Floats, as_singles
@@ -16,7 +14,7 @@ from analysis.imaging.discs import Disc, discs, pair_apart, vote, vote_radii
 from analysis.imaging.edge.frame import FilmEdges, filters
 from analysis.imaging.film_discs import FilmDiscs, film_discs
 from analysis.imaging.film_following import FilmCurves, Rules, follow_discs
-from analysis.imaging.flight_hypotheses import Falling, above, free_flights, guide, meeting
+from analysis.imaging.flight_hypotheses import Falling, free_flights, guide, meeting, mirrored
 from analysis.imaging.outlines import Place
 from analysis.imaging.views import View, ViewGeometry
 
@@ -221,13 +219,13 @@ def _by_flights(
         return None
     places = np.full((2, len(views), len(film), 2), np.nan)
     places[:, views.index(front)] = guide(four, falling)
-    for (i, pair), (v, view) in product(enumerate(four), enumerate(views)):
+    for v, view in enumerate(views):
         if view is front:
             continue
-        shown = [_within(own, view) for own in seen[votes[i]]]
-        for flight in pair:
-            own = above(flight, shown, votes[i], view.origin[1] - front.origin[1], falling)
-            if own is not None:
+        shown = [[_within(own, view) for own in seen[radius]] for radius in votes]
+        shift = view.origin[1] - front.origin[1]
+        for i, flown in enumerate(mirrored(four, shown, votes, shift, falling)):
+            for own in flown:
                 places[i, v, own.frames] = own.places
     return places.reshape(-1, len(film), 2)
 

@@ -205,25 +205,53 @@ def _leaves(after: Flight, before: Flight, touch_s: float, radius: float, fallin
     return bool(np.hypot(*off) < MEETING * radius)
 
 
-def above(
-    flight: Flight, places: Places, radius: float, shift: float, falling: Falling
-) -> Flight | None:
-    """Return the discs of a flight in the mirror's view: its columns, rows on a straight line.
+def mirrored(
+    four: Four, places: Sequence[Places], radii: tuple[float, float], shift: float, falling: Falling
+) -> tuple[list[Flight], list[Flight]]:
+    """Return the discs of a and of b in the mirror's view, one flight or two of each.
+
+    What flies off toward the camera may show one disc there after contact, which no other bears
+    out. It is the sphere's where its columns hold no second one, and the other sphere's not it.
 
     Parameters
     ----------
     places
-        In the mirror's view.
+        In the mirror's view, of discs as large as a, and as b.
     shift
         What is added to a column of the front view, pixels.
     """
-    reach = max(NEAR * radius, NEAR_PX)
-    seen: list[tuple[int, float, float]] = []
+    found: tuple[list[Flight], list[Flight]] = ([], [])
+    for i, (before, after) in enumerate(four):
+        other = four[1 - i][1]
+        for flight in (before, after):
+            seen = _in_columns(flight, places[i], SAME_COLUMN * radii[i], shift)
+            own = _on_a_line(seen, max(NEAR * radii[i], NEAR_PX), falling)
+            if own is None and flight is after and len(seen) == 1:
+                ((k, row, column),) = seen
+                apart = abs(other.at(k, falling)[1] + shift - column)
+                if apart > SAME_COLUMN * (radii[0] + radii[1]):
+                    own = Flight(np.array([k]), np.array([(row, column)]))
+            if own is not None:
+                found[i].append(own)
+    return found
+
+
+Seen = list[tuple[int, float, float]]
+"""Frame, row and column of discs."""
+
+
+def _in_columns(flight: Flight, places: Places, reach: float, shift: float) -> Seen:
+    seen = []
     for k, (_, column) in zip(flight.frames.tolist(), flight.places.tolist(), strict=True):
         for row, other in places[k].tolist():
-            if abs(other - column - shift) < SAME_COLUMN * radius:
+            if abs(other - column - shift) < reach:
                 seen.append((k, row, other))
-    best: list[tuple[int, float, float]] = []
+    return seen
+
+
+def _on_a_line(seen: Seen, reach: float, falling: Falling) -> Flight | None:
+    """Return those discs whose rows lie on one straight line, two at least."""
+    best: Seen = []
     times = falling.times_s
     for (k, row, _), (m, other, _) in itertools.combinations(seen, 2):
         if k == m:

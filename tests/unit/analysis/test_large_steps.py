@@ -12,6 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 from analysis.campaign import analyse_campaign, read_campaign
+from analysis.imaging.views import View
 from analysis.shot import AnalysisOptions, MeasuredShot
 from simulators.world import WorldDescription, write_campaign
 from simulators.world.description import Sphere, Tube
@@ -65,6 +66,8 @@ def test_errors_of_outlines_alone_are_those_of_one_sphere_against_the_other(tmp_
         analyse_campaign(read_campaign(folder), AnalysisOptions(), workers=1), truths, strict=True
     ):
         assert isinstance(shot, MeasuredShot), shot
+        # Over 500 pixels the columns of both views tell this better than radii of 10 pixels do.
+        assert abs(shot.tracking.scales_px_per_m[View.TOP] / WORLD.optics.scale_px_per_m - 1) < 5e-4
         off = beside_truth(shot, truth)
         scale = WORLD.optics.scale_px_per_m
         stated_px = scale * float(np.median(shot.centres[0].sigma[:, :2]))

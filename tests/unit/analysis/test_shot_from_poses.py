@@ -121,6 +121,57 @@ def test_spins_that_the_impulse_contradicts_are_not_measured(measured: MeasuredS
     assert measure_two_sides(poses, scene).false_spins is None
 
 
+@pytest.mark.parametrize("heights", [(2, 1), (1, 1), (0, 10)])
+def test_heights_that_the_mirror_lacks_after_contact_follow_from_the_contact_and_the_momentum(
+    measured: MeasuredShot, heights: tuple[int, int]
+) -> None:
+    """In some frames after contact, of a and b, the mirror's view shows the height of a shot."""
+    poses, scene = poses_of(measured), Scene.of(SETUP, measured.slow)
+    poses = replace(poses, rotation_sigma=np.full_like(poses.rotation_sigma, np.inf))
+    whole = measure_two_sides(poses, scene).impact
+    after = np.flatnonzero(np.isin(poses.frames, measured.used_after))
+    sigma = poses.position_sigma.copy()
+    for i, shown in enumerate(heights):
+        sigma[after[shown:], i, 2] = np.inf
+    found = measure_two_sides(replace(poses, position_sigma=sigma), scene)
+    lacking = [f"{count} of the" for count in heights if count < 2]
+    assert len(found.heights) == len(lacking)
+    assert all(told in note for told, note in zip(lacking, found.heights, strict=True))
+    for old, new, least, error in zip(
+        (whole.after.velocity_a, whole.after.velocity_b),
+        (found.impact.after.velocity_a, found.impact.after.velocity_b),
+        whole.state_sigma[1, :2],
+        found.impact.state_sigma[1, :2],
+        strict=True,
+    ):
+        assert (np.abs(new - old) < 4.0 * np.hypot(least, error)).all()
+    assert abs(found.impact.e.value - whole.e.value) < 3.0 * found.impact.e.sigma
+    assert found.impact.e.sigma < 3.0 * whole.e.sigma
+
+
+def test_a_lone_height_that_does_not_keep_the_momentum_is_refused(measured: MeasuredShot) -> None:
+    poses, scene = poses_of(measured), Scene.of(SETUP, measured.slow)
+    after = np.flatnonzero(np.isin(poses.frames, measured.used_after))
+    sigma, position = poses.position_sigma.copy(), poses.position.copy()
+    sigma[after[1:], 1, 2] = np.inf
+    position[after[0], 1, 2] += 1e-3
+    wrong = replace(poses, position_sigma=sigma, position=position)
+    with pytest.raises(ShotRefusedError, match="off the one that keeps the momentum of both"):
+        measure_two_sides(wrong, scene)
+
+
+@pytest.mark.parametrize("of_b", [0, 1])
+def test_a_contact_after_which_the_mirror_shows_one_height_at_most_is_refused(
+    measured: MeasuredShot, of_b: int
+) -> None:
+    poses, scene = poses_of(measured), Scene.of(SETUP, measured.slow)
+    after = np.flatnonzero(np.isin(poses.frames, measured.used_after))
+    sigma = poses.position_sigma.copy()
+    sigma[after, 0, 2] = sigma[after[of_b:], 1, 2] = np.inf
+    with pytest.raises(ShotRefusedError, match="the top view shows sphere a in 0 of"):
+        measure_two_sides(replace(poses, position_sigma=sigma), scene)
+
+
 def test_no_poses_at_all_are_refused_in_words() -> None:
     none = np.empty((0, 2, 3))
     turns = np.empty((0, 2, 3, 3))

@@ -101,6 +101,9 @@ UNCUT = 2.0
 spheres of 10 px radius in one view were off by 0.1 to 0.2 px (trial), 0.05 px is the other."""
 LEAST_HEIGHTS = 2
 """Frames of a flight with a height, for its velocity along the mirror's rows."""
+MOST_DRIFT = 0.2
+"""Of the speed before the camera: four of the standard deviations of what one view leaves open of
+the velocity in depth (`collision.unseen_depth`)."""
 UNCUT_OF_PX = 20.0
 """Radius from which on that holds. Of a smaller sphere a marker's blurred edge takes a longer
 stretch: one of 7 px radius drifts by 0.3 px in a flight (trial)."""
@@ -216,24 +219,37 @@ def track_unmarked(frames: Grey, times_s: Floats, setup: Setup, reason: str) -> 
 def _hidden_heights(
     centres: tuple[Centres, Centres], times_s: Floats, gravity: float
 ) -> tuple[str, ...]:
-    """Return a note where a sphere's height is not seen on a side of the contact, else nothing.
+    """Return a note where a sphere's height is not seen before the contact, else nothing.
 
-    A small sphere may fly before the large one, or behind it, in all of the mirror's frames.
+    A small sphere may fly before the large one, or behind it, in all of the mirror's frames. Where
+    heights that are seen change with time the pair does not fly at one height, and nothing is said.
     """
     try:
         split = split_at_contact(*centres, times_s, gravity)
     except ShotRefusedError:
         return ()
+    if any(_drifting(own, times_s, own.frames >= split) for own in centres):
+        return ()
     for name, own in zip("ab", centres, strict=True):
-        after = own.frames >= split
-        for when, side in (("before", ~after), ("after", after)):
-            shown = int(np.isfinite(own.sigma[side, 2]).sum())
-            if shown < LEAST_HEIGHTS <= int(side.sum()):
-                told = (
-                    f"sphere {name} in {shown} of the {int(side.sum())} frames {when} the contact"
-                )
-                return (f"no heights, as before one view: the top view shows {told}",)
+        before = own.frames < split
+        shown = int(np.isfinite(own.sigma[before, 2]).sum())
+        if shown < LEAST_HEIGHTS <= int(before.sum()):
+            told = f"sphere {name} in {shown} of the {int(before.sum())} frames before the contact"
+            return (f"no heights, as before one view: the top view shows {told}",)
     return ()
+
+
+def _drifting(own: Centres, times_s: Floats, after: NDArray[np.bool_]) -> bool:
+    """Whether the heights of a flight change as one view alone could not know."""
+    for side in (~after, after):
+        seen = side & np.isfinite(own.sigma[:, 2])
+        if np.count_nonzero(seen) < LEAST_HEIGHTS:
+            continue
+        tau, places = times_s[own.frames[seen]], own.position[seen]
+        speeds = np.polyfit(tau - tau.mean(), places, 1)[0]
+        if abs(speeds[2]) > MOST_DRIFT * np.hypot(speeds[0], speeds[1]):
+            return True
+    return False
 
 
 def _is_marked(seen: FilmMarkers) -> bool:

@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import product
 
 import cv2
 import numpy as np
@@ -18,7 +17,7 @@ from numpy.typing import NDArray
 
 from analysis.arrays import Floats, Grey
 from analysis.compiled import compiled
-from analysis.imaging.flight_hypotheses import Falling, Flight, above, free_flights, guide, meeting
+from analysis.imaging.flight_hypotheses import Falling, free_flights, guide, meeting, mirrored
 from analysis.photometric.learn.appearance import Appearance
 from analysis.photometric.render.camera import Camera
 
@@ -238,10 +237,9 @@ def whereabouts_by_flights(
             centres[i, k, :2] = camera.at_pixels(0, (places[k, 0], places[k, 1]), 0.0)
     if len(camera.views) > 1:
         shift = float(camera.optics.origins[1, 1] - camera.optics.origins[0, 1])
-        for i, flight in _each(four):
-            shown = [own[own[:, 0] < split] for own in seen[i]]
-            own = above(flight, shown, radii[i], shift, falling)
-            if own is not None:
+        shown = [[own[own[:, 0] < split] for own in every] for every in seen]
+        for i, flown in enumerate(mirrored(four, shown, radii, shift, falling)):
+            for own in flown:
                 for k, place in zip(own.frames, own.places.tolist(), strict=True):
                     centres[i, k, 2] = -camera.at_pixels(1, tuple(place), 0.0)[0]
     return centres
@@ -253,7 +251,3 @@ def _discs(votes: Votes, radius: float) -> list[Floats]:
         np.array([place[:2] for place in peaks(each, MOST_DISCS, radius)]).reshape(-1, 2)
         for each in votes
     ]
-
-
-def _each(four: tuple[tuple[Flight, Flight], tuple[Flight, Flight]]) -> list[tuple[int, Flight]]:
-    return [(i, four[i][n]) for i, n in product((0, 1), (0, 1))]

@@ -7,10 +7,11 @@ import numpy as np
 from analysis.arrays import Floats
 from analysis.imaging.flight_hypotheses import (
     Falling,
-    above,
+    Four,
     free_flights,
     guide,
     meeting,
+    mirrored,
 )
 
 RADIUS, FRAMES, CONTACT = 10.0, 20, 9.4
@@ -84,17 +85,48 @@ def test_what_stands_still_is_no_flight() -> None:
     assert not free_flights(still, RADIUS, Falling(FALLING.times_s, 0.0))
 
 
-def test_a_flight_has_its_own_discs_in_the_mirror() -> None:
+def four_and_mirror(rows: Floats) -> tuple[Four, Floats, list[Floats]]:
+    """Return flights that meet, true places in the mirror and its discs.
+
+    Parameters
+    ----------
+    rows
+        In the mirror's view, of a and b, shape (2, frames); not a number where it shows no disc.
+    """
     paths = collision(np.array([[0.0, -30.0], [0.0, 31.0]]))
-    (flight, *_) = free_flights([path[None] for path in paths[0, :9]], RADIUS, FALLING)
-    columns = paths[0, :, 1] + 3.0
-    mirror = [
-        np.array([[50.0 + k, columns[k]], [80.0, columns[k]]])[:: 1 - 2 * (k % 2)]
-        for k in range(FRAMES)
-    ]
-    for k in (2, 5):
-        mirror[k] = mirror[k][mirror[k][:, 0] != 80.0]
-    own = above(flight, mirror, RADIUS, 3.0, FALLING)
-    assert own is not None
-    assert own.frames.tolist() == list(range(9))
-    np.testing.assert_allclose(own.places[:, 0], 50.0 + np.arange(9))
+    flights = free_flights(shown(paths, np.random.default_rng(0)), RADIUS, FALLING)
+    four = meeting((flights, flights), (RADIUS, RADIUS), FALLING)
+    assert four is not None
+    places = np.stack([rows, paths[..., 1] + 3.0], axis=-1)
+    discs = [places[::-1, k][np.isfinite(places[::-1, k, 0])] for k in range(FRAMES)]
+    return four, places, discs
+
+
+def test_flights_have_their_own_discs_in_the_mirror() -> None:
+    since = np.arange(FRAMES) - CONTACT
+    rows = np.stack([50.0 + np.where(since < 0, 1.0, -6.0) * since, 50.0 + 0.0 * since])
+    rows[0, 3] = rows[1, 5] = rows[1, 14:] = np.nan
+    four, places, discs = four_and_mirror(rows)
+    # Something stands still before the mirror, which a's columns pass in one frame.
+    discs[6] = np.concatenate([discs[6], [[80.0, places[0, 6, 1]]]])
+    found = mirrored(four, (discs, discs), (RADIUS, RADIUS), 3.0, FALLING)
+    for i, flown in enumerate(found):
+        frames = np.concatenate([own.frames for own in flown])
+        assert frames.tolist() == np.flatnonzero(np.isfinite(rows[i])).tolist()
+        for own in flown:
+            np.testing.assert_allclose(own.places, places[i, own.frames])
+
+
+def test_one_disc_in_the_mirror_after_contact_is_taken_where_it_can_be_no_others() -> None:
+    rows = np.full((2, FRAMES), 50.0)
+    rows[:, 11:] = np.nan
+    rows[:, 10] = 30.0, 70.0
+    four, places, discs = four_and_mirror(rows)
+    a, b = mirrored(four, (discs, discs), (RADIUS, RADIUS), 3.0, FALLING)
+    assert [own.frames.tolist() for own in (a[1], b[1])] == [[10], [10]]
+    np.testing.assert_allclose([a[1].places[0], b[1].places[0]], places[:, 10])
+    # Two discs in one sphere's columns: which is its own nobody knows.
+    discs[10] = np.concatenate([discs[10], [[75.0, places[0, 10, 1]]]])
+    a, b = mirrored(four, (discs, discs), (RADIUS, RADIUS), 3.0, FALLING)
+    assert len(a) == 1
+    assert len(b) == 2
