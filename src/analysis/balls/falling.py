@@ -128,8 +128,10 @@ def other_fall(
 ) -> OtherFall | None:
     """Return how a ball falls that falls far otherwise than stated; None where none surely does.
 
-    At least two of its flights bend alike, in far more frames than those of `flights`.
+    At least two of its flights bend alike, in more frames than those of `flights`. Only the surest
+    sighting of a frame is looked at.
     """
+    seen = replace(seen, places=[places[:1] for places in seen.places])
     most = 0 if flights is None else agreeing(flights[1], looks, flights[2])[0]
     least = LEAST_OF_SEEN * sum(len(places) > 0 for places in seen.places)
     best: OtherFall | None = None
@@ -141,7 +143,7 @@ def other_fall(
             continue
         frames, alike = agreeing(other[1], looks, fall)
         bent = bend_of(other[1].arcs, looks, fall)
-        if frames < max(CLEAR_FRAMES, least, 2 * most) or alike < 2 or bent is None:
+        if frames < max(CLEAR_FRAMES, least, MUCH_MORE * most) or alike < 2 or bent is None:
             continue
         if bent[1] < MOST_UNSURE * bent[0] and (best is None or frames > best.frames):
             ends = [

@@ -8,20 +8,15 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.arrays import Floats
+from analysis.balls.doubts import doubts
 from analysis.balls.films.film import FilmHead
-from analysis.balls.flight.flights import LARGE_CHI2, LEAST_PLACES, MOST_LEFT_OUT, Flights
-from analysis.balls.flight.lost import MOST_E, MOST_SCATTER_PX
+from analysis.balls.flight.flights import LEAST_PLACES, MOST_LEFT_OUT, Flights
 from analysis.balls.gaps import frame_at, period_of
-from analysis.balls.measuring import MeasuredBall, coefficient
+from analysis.balls.measuring import MeasuredBall
 from analysis.balls.seen.arcs import Arc, Chain
 from analysis.errors import counted
 
 NEAR_RADII = 1.6
-UNSURE_E = 1e-3
-"""Change of e by frames that may be missing, from which on it is said."""
-UNSETTLED_E = 0.01
-"""Change of e when the ball's light is learned once more, of flights that do not fit the film."""
 LOW_BOUNCE = 0.2
 """Of a radius: rows that differ by more at the plate are those of a ball that bounces."""
 QUICK = 0.05  # Radii a frame: what is held at the picture's border moves less.
@@ -61,11 +56,7 @@ def _remarks(measured: MeasuredBall) -> Iterator[str]:
     yield from _one_more(measured, measured.flights)
     yield from _of_flights(measured.flights, head)
     yield from _do_not_count(measured, measured.flights)
-    yield from _beyond_one(measured.flights)
-    yield from _unsettled(measured.unsettled_e, measured.flights)
-    yield from _unsure(measured.unsure_e, measured.flights)
-    if measured.bounces == 1:
-        yield from _alone(measured, measured.flights)
+    yield from doubts(measured, measured.flights)
 
 
 def _other(other: Chain, is_round: bool) -> str:
@@ -310,7 +301,6 @@ def _of_flights(flights: Flights, head: FilmHead) -> Iterator[str]:
                 f"bounce {bounce + 1} has {before} frames before and {after} after it; "
                 f"{LEAST_PLACES} are needed for an error that can be trusted"
             )
-    yield from _far_from_flights(flights)
     left_out = [int(f) for f in flights.observed.frames[~flights.used]]
     if len(left_out) > MOST_LEFT_OUT * len(flights.used):
         out = np.flatnonzero(~flights.used)
@@ -321,80 +311,3 @@ def _of_flights(flights: Flights, head: FilmHead) -> Iterator[str]:
             "px: the film's rate varies and its times do not say so, or something holds or hides "
             f"the ball; the error of e holds as much ({flights.doubt:.2f})"
         )
-
-
-def _far_from_flights(flights: Flights) -> Iterator[str]:
-    """Say how far places lie from flights that are no free ones."""
-    row_rms = float(np.std(flights.residuals[flights.used, 0]))
-    if row_rms > MOST_SCATTER_PX:
-        far = f"scatter by {row_rms:.1f} px about free flights"
-    elif flights.chi2_per_dof > LARGE_CHI2:
-        times = flights.chi2_per_dof**0.5
-        far = f"lie {times:.0f} times further from free flights than each is uncertain"
-    else:
-        return
-    off = np.where(flights.used, np.hypot(*flights.residuals.T), 0.0)
-    worst = int(np.argmax(off))
-    row, column = flights.observed.places[worst]
-    yield (
-        f"places {far}, furthest in frame {flights.observed.frames[worst]} at ({row:.0f}, "
-        f"{column:.0f}) px: check the frame rate; frames may be missing, the film's rate varies "
-        "and its times do not say so, or something hides the ball; e may be further off than its "
-        "error says"
-    )
-
-
-def _beyond_one(flights: Flights) -> Iterator[str]:
-    """Name bounces from which the ball comes faster than it went."""
-    for bounce, e in enumerate((flights.contacts[:, 3] / flights.contacts[:, 1]).tolist()):
-        if e > MOST_E:
-            yield (
-                f"e of bounce {bounce + 1}, {_before(flights, bounce)}, is {e:.2f}, and no ball "
-                "leaves a plate at rest faster than it came: frames are missing, the film's rate "
-                "varies and its times do not say so, or the plate moves; the error of e holds what "
-                "is beyond 1"
-            )
-
-
-def _unsettled(unsettled_e: Floats, flights: Flights) -> Iterator[str]:
-    """Name bounces whose e goes on changing as often as the film is fitted."""
-    for bounce in np.flatnonzero(unsettled_e > UNSETTLED_E).tolist():
-        yield (
-            f"e of bounce {bounce + 1}, {_before(flights, bounce)}, still changes by "
-            f"{unsettled_e[bounce]:.2f} each time that the film is fitted: the film's rate "
-            "varies and its times do not say so, or something holds or hides the ball; the error "
-            "of e holds as much"
-        )
-
-
-def _unsure(unsure_e: Floats, flights: Flights) -> Iterator[str]:
-    """Name bounces whose e a time would change that seems to be missing."""
-    for bounce in np.flatnonzero(unsure_e > UNSURE_E).tolist():
-        yield (
-            f"frames may be missing at bounce {bounce + 1}, {_before(flights, bounce)}, or in its "
-            "flights, or the film's rate varies and its times do not say so; the error of its e "
-            f"holds what that changes ({unsure_e[bounce]:.3f})"
-        )
-
-
-def _alone(measured: MeasuredBall, flights: Flights) -> Iterator[str]:
-    """Say what one bounce alone leaves open: with later times the plate would only lie lower."""
-    own = measured.head.times_s
-    if own is not None and np.array_equal(own, measured.times_s):
-        # The file has the time of each frame: one that is missing shows in them.
-        return
-    _, sigma = coefficient(measured, 0)
-    each = flights.lost_at_first(period_of(measured.times_s))
-    if each > sigma:
-        yield (
-            f"one bounce alone, {_before(flights, 0)}, does not show whether the film has all "
-            f"frames of it: for each that it lacks there e is {each:.4f} too small, beyond its "
-            "error; a second bounce would show it"
-        )
-
-
-def _before(flights: Flights, bounce: int) -> str:
-    """Name the last frame before a bounce, and where the ball is in it."""
-    last = int(np.flatnonzero(flights.arcs <= bounce)[-1])
-    row, column = flights.observed.places[last]
-    return f"after frame {flights.observed.frames[last]} at ({row:.0f}, {column:.0f}) px"

@@ -65,6 +65,7 @@ def described(problem: Problem, values: Floats, chosen: Chosen) -> Flights:
         slopes = _slopes(problem, values, arcs)
         covariance = _covariance(problem, values, slopes[0][used], errors)
     _hold(covariance, known_sigmas, path.STAY, lasts_sigma)
+    _skew(covariance, known_sigmas, path.DRAG)
     found, contacts = problem.predict(values, arcs)
     residuals = _off(observed.places, found)
     place_slopes, contact_slopes, taken_slopes = slopes
@@ -167,6 +168,20 @@ def _hold(covariance: Floats, known_sigmas: Floats, index: int, sigma: float) ->
     covariance -= (1.0 - share) / variance * np.outer(covariance[index], covariance[index])
     more = (1.0 / share - 1.0) / variance
     known_sigmas[index] = (known_sigmas[index] ** -2 + more) ** -0.5
+
+
+def _skew(covariance: Floats, known_sigmas: Floats, index: int) -> None:
+    """Make the error of a logarithm, and what goes with it, as wide as its number's longer side.
+
+    One standard error s up is a factor of exp(s), which is more than s times the number: a ball of
+    unknown mass may be far lighter, and slowed far more, than derivatives say.
+    """
+    variance = float(covariance[index, index])
+    if variance <= 0.0:
+        return
+    longer = math.expm1(math.sqrt(variance)) ** 2 / variance
+    covariance += (longer - 1.0) / variance * np.outer(covariance[index], covariance[index])
+    known_sigmas[index] *= math.sqrt(longer)
 
 
 def _unseen_rise(values: Floats, sigmas: Floats) -> float:

@@ -13,8 +13,9 @@ from analysis.setup import Setup
 DRAG_COEFFICIENT, DRAG_SIGMA = 0.47, 0.05
 """Of a smooth sphere at Reynolds numbers of 10^3 to 2 10^5 (Clift, Grace and Weber, 1978)."""
 AIR_DENSITY = 1.2
-UNKNOWN_DENSITY, UNKNOWN_SPREAD = 500.0, 1.0
-"""kg/m^3 and the spread of its logarithm: from a hollow ball to one of glass."""
+UNKNOWN_DENSITY, UNKNOWN_SPREAD = 400.0, 1.3
+"""kg/m^3 of a tennis ball, and the spread of the logarithm: about one spread away lie balls full of
+air (table tennis, football, basketball: 75 to 85) and solid ones of rubber or plastic (1100)."""
 DIAMETER_RIM_SIGMA = 0.01
 """Relative: what shading and codecs do to a rim."""
 LEVEL_SIGMA, ROLL_SIGMA = 0.01, 0.05

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from analysis.balls.flight import path
 from analysis.balls.flight.fit import fit_flights
 from analysis.balls.flight.flights import Flights, Observed, Start
 from analysis.balls.flight.known import LEVEL_SIGMA, Ball, Known, View
@@ -16,16 +17,16 @@ SCALE, FALL, PLATE, RATE = 1000.0, 9806.65, 400.0, 500.0
 CONTACT_S, DOWN, UP = 0.2, 2.0, 1.6
 
 
-def fitted(across: float, ball: Ball) -> Flights:
+def fitted(across: float, ball: Ball, noise: float = 0.002) -> Flights:
     """One bounce of a ball in a vacuum that flies across at a speed, m/s."""
     times = np.arange(0.0, 0.45, 1 / RATE)
     since = times - CONTACT_S
     leaving = np.where(since < 0, SCALE * DOWN, -SCALE * UP)
     rows = PLATE + leaving * since + 0.5 * FALL * since**2
     places = np.stack([rows, 150.0 + SCALE * across * since], axis=1)
-    places += 0.002 * np.random.default_rng(3).standard_normal(places.shape)
+    places += noise * np.random.default_rng(3).standard_normal(places.shape)
     frames = np.arange(len(times))
-    observed = Observed(frames, times, places, np.full(places.shape, 0.002))
+    observed = Observed(frames, times, places, np.full(places.shape, noise))
     speeds = np.array([[SCALE * DOWN, SCALE * across]]), np.array([[-SCALE * UP, SCALE * across]])
     start = Start(np.array([CONTACT_S + 1e-3]), np.array([[PLATE, 150.0]]), *speeds)
     known = Known(ball, View(480, 300, 1 / RATE, 0.0, focal_px=(5000.0, 10.0)), radius_px=20.0)
@@ -55,3 +56,19 @@ def test_the_error_of_the_drag_is_in_proportion_to_what_is_stated_of_it() -> Non
     none, some, more = (budget(fitted(0.0, ball), 0, 0.1)["drag"] for ball in light)
     assert none == 0.0
     assert more == pytest.approx(2 * some, rel=0.2)
+
+
+@pytest.mark.parametrize("density", [80.0, 1100.0])
+def test_an_unknown_mass_may_be_that_of_a_ball_full_of_air_and_of_a_solid_one(
+    density: float,
+) -> None:
+    drag, spread = Ball(0.04).drag_per_m()
+    own, _ = Ball(0.04, density=density).drag_per_m()
+    assert abs(math.log(own / drag)) < 1.3 * spread
+
+
+def test_the_drag_of_an_unknown_mass_may_be_larger_by_more_than_it_may_be_smaller() -> None:
+    flights = fitted(0.0, Ball(0.04), noise=1.0)
+    upward = math.sqrt(flights.covariance[path.DRAG, path.DRAG])
+    # Places that scatter so leave the logarithm as open as it was: a factor of e^1.3 and more.
+    assert upward == pytest.approx(math.expm1(1.3), rel=0.15)

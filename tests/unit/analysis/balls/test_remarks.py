@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from analysis.arrays import Floats
 from analysis.balls.films.film import FilmHead
 from analysis.balls.flight.fit import fit_flights
 from analysis.balls.flight.flights import Flights
+from analysis.balls.flight.known import Ball
 from analysis.balls.found import Search
 from analysis.balls.measuring import MeasuredBall
 from analysis.balls.remarks import remarks
@@ -103,3 +106,13 @@ def test_a_bounce_before_a_flight_of_few_frames_says_so() -> None:
     )
     # e of 0.237 makes 5.2 frames of 22.
     assert "the flight after it lasts some 5.2 frames, too few" in told
+
+
+def test_a_mass_that_is_not_stated_is_asked_for_where_e_is_unsure_for_it() -> None:
+    seen = parabolas(np.random.default_rng(4), noise=0.5)
+    seen = replace(seen, sigmas=np.full(seen.places.shape, 0.5))
+    for ball, asked in ((Ball(0.04), True), (Ball(0.04, density=1000.0), False)):
+        flights = fit_flights(seen, start(), replace(known(), ball=ball))
+        assert flights is not None
+        told = remarks(film_of(seen.places, 0, np.zeros((0, 3)), len(seen.frames), flights))
+        assert any("state the mass" in each for each in told) == asked
