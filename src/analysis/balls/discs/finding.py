@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.arrays import Floats, Singles
-from analysis.balls.discs.alike import circles, look
+from analysis.balls.discs.alike import circles
 from analysis.balls.discs.disc import LIKE_RADIUS, Disc, holds, on, one, same_rim, touch, within
 from analysis.balls.discs.gradient import (
     RADIUS_STEP,
@@ -27,7 +27,7 @@ from analysis.balls.discs.judging import (
     false_alarms,
     fit_circle,
 )
-from analysis.balls.discs.rims import fit_rim, sharpness
+from analysis.balls.discs.rims import fit_rim, is_round, sharpness
 
 CORRELATED = 2.5
 """By how much neighbouring edge points, which share what noise the filter saw, enlarge errors."""
@@ -47,10 +47,6 @@ NEARLY = 0.5
 SHARP, SHARPER, MOST_SHARPER = 1.3, 50.0, 0.02
 """Sharpness of a rim that says neither way, powers of ten by which a disc is surer for each 1 above
 it, and how far above it counts."""
-LIKELY = -9.0
-"""log10 of the number of false alarms of a disc that is like others."""
-LEAST_LIKE_SECTORS = 0.3
-"""Share of the sectors of a rim that hold edges of a disc like others."""
 SOFTER, LEAST_SHARP = 0.07, 1.25
 """By how much less sharp than theirs the rim of a disc like others may be, and the least it is."""
 BLOTCH = 0.4
@@ -148,63 +144,45 @@ def _of_versions(values: Singles, sought: _Sought, versions: tuple[int | None, .
     # The border of what is lit, or saturated, on a sphere is a circle too, next to its rim or not.
     refined = [at_rim(values, disc, sought.sigma_px) for disc in _rims(whole)]
     if sought.blotched:
-        refined += _alike(values, sought, levels, refined)
+        refined += _alike(values, sought, refined)
     # Two circles within one rim may both have led to it.
     found = [disc for k, disc in enumerate(refined) if not any(one(disc, o) for o in refined[:k])]
     return sorted(found, key=lambda disc: disc.log_alarms)
 
 
-def _alike(values: Singles, sought: _Sought, levels: list[_Level], found: list[Disc]) -> list[Disc]:
-    """Return discs like those found, which need neither votes nor sectors where those show radii.
-
-    They are surer than others have to be: their circles lie where they are surest.
-    """
+def _alike(values: Singles, sought: _Sought, found: list[Disc]) -> list[Disc]:
+    """Return discs like those found, which need neither votes nor edges where those show rims."""
     groups: list[list[Disc]] = []
     for disc in sorted(found, key=lambda each: each.radius):
         if not groups or disc.radius > LIKE_RADIUS * groups[-1][0].radius:
             groups.append([])
         groups[-1].append(disc)
-    # A circle is tried at each row and column, with three radii, in each version.
-    every = values.shape[0] * values.shape[1] * 3 * 3 * len(groups)
+    # A circle is tried at each row and column, with three radii.
+    tests = math.log10(values.shape[0] * values.shape[1] * 3 * max(1, len(groups)))
     more: list[Disc] = []
     for group in groups:
-        radius = float(np.median([disc.radius for disc in group]))
-        likely: list[Disc] = []
-        for level in levels:
-            if level.radii[0] <= radius / level.factor < level.radii[1]:
-                likely += _at_radius(level, [*found, *more], radius, math.log10(every))
-        if not likely:
-            continue
-        shown = look(values, radius, np.array([[disc.row, disc.column] for disc in group]))
+        likely = [
+            Disc(*place[:3], *3 * (NO_RIM_RADII * place[2],), place[4], place[3])
+            for place in circles(values, _places(group), _places([*found, *more]), tests).tolist()
+        ]
         crisp = float(np.median([_sharpness(values, disc, sought) for disc in group]))
         for disc in sorted(likely, key=lambda each: each.log_alarms):
-            if not shown.like(disc.row, disc.column) or any(
+            if any(
                 one(disc, other) or within(disc, other) or within(other, disc)
                 for other in (*found, *more)
             ):
                 continue
-            if _sharpness(values, disc, sought) > max(crisp - SOFTER, LEAST_SHARP):
-                best = at_rim(values, disc, sought.sigma_px)
-                more += [best] * same_rim(best, disc)
+            if _sharpness(values, disc, sought) < max(crisp - SOFTER, LEAST_SHARP):
+                continue
+            best = at_rim(values, disc, sought.sigma_px)
+            place = np.array([best.row, best.column, best.radius])
+            if same_rim(best, disc) and is_round(values, place, sought.sigma_px):
+                more.append(best)
     return more
 
 
-def _at_radius(level: _Level, found: list[Disc], radius: float, tests: float) -> list[Disc]:
-    """Return discs of a known radius that their edges alone show, without those of found discs."""
-    weights = np.ones(len(level.gradient.edges), np.float32)
-    level.taken[:] = 0.0
-    for disc in found:
-        _take(level, weights, disc)
-    seen = circles(level.gradient, weights, level.taken, radius / level.factor, tests)
-    discs = []
-    for row, column, own, alarms, rim in seen[seen[:, 3] < LIKELY - level.margin].tolist():
-        place = np.array([row, column, own])
-        if fit_circle(level.gradient.edges, weights, place, len(PASSES))[6] < LEAST_LIKE_SECTORS:
-            continue
-        size = own * level.factor
-        middle = (level.outward(row), level.outward(column))
-        discs.append(Disc(*middle, size, *3 * (NO_RIM_RADII * size,), rim, alarms + level.margin))
-    return discs
+def _places(discs: list[Disc]) -> Floats:
+    return np.array([[disc.row, disc.column, disc.radius] for disc in discs])
 
 
 def _with_sharpness(values: Singles, disc: Disc, sought: _Sought) -> Disc:

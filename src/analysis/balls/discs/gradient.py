@@ -146,13 +146,17 @@ def gradient(picture: Singles, sigma_px: float = SIGMA_PX) -> Gradient:
         Shape (rows, columns, channels), any unit.
     """
     field = gradient_field(picture, sigma_px)
-    size = field[0]
+    threshold = edge_threshold(field[0])
+    return Gradient(field, _ridges(field, threshold), threshold)
+
+
+def edge_threshold(size: Singles) -> float:
+    """Return the least size of an edge, from the sizes of a picture's gradients."""
     noise = float(np.quantile(size, NOISE_QUANTILE))
     # Of a Rayleigh distribution with scale 1 the 30 % quantile is at 0.845.
     noise /= math.sqrt(-2.0 * math.log(1.0 - NOISE_QUANTILE))
     strong = float(np.quantile(size, STRONG_QUANTILE))
-    threshold = max(LEAST_OF_NOISE * noise, LEAST_OF_STRONG * strong, 1e-9)
-    return Gradient(field, _ridges(field, threshold), threshold)
+    return max(LEAST_OF_NOISE * noise, LEAST_OF_STRONG * strong, 1e-9)
 
 
 def evened(picture: Singles) -> Singles:
@@ -196,10 +200,11 @@ def _spread(changes: Floats) -> tuple[Floats, Floats]:
 
 def gradient_field(picture: Singles, sigma_px: float) -> Singles:
     """Return size and direction (row, column) of the gradient, shape (3, rows, columns)."""
-    return np.asarray(_tensor(*_derivatives(picture, sigma_px)))
+    return np.asarray(_tensor(*derivatives(picture, sigma_px)))
 
 
-def _derivatives(picture: Singles, sigma_px: float) -> tuple[Singles, Singles]:
+def derivatives(picture: Singles, sigma_px: float) -> tuple[Singles, Singles]:
+    """Return the changes along rows and columns, shape (rows, columns, channels) each."""
     reach = math.ceil(3.5 * sigma_px)
     at = np.arange(-reach, reach + 1)
     smooth = np.exp(-0.5 * (at / sigma_px) ** 2)

@@ -33,7 +33,7 @@ over how many of them to each side its top is found."""
 
 LEAST_RIM = 0.2
 """Share of a rim's sectors with edges: what an arc leaves open is in the errors."""
-REACH_RADII, REACH_PX, LEAST_PX = 1.35, 6.0, 8
+BEYOND, REACH_PX, LEAST_PX = 0.35, 6.0, 8
 GROWN, TURNS = (0.06, 0.12, 0.18, 0.25, -0.06, -0.12), 16
 """Circles that share a side with the one that was found, larger by these shares of its radius."""
 STARTING = 3
@@ -54,6 +54,15 @@ OF_SCATTER, OF_HALVES, OF_SHIFT, OF_WIDEST, OF_RIVAL = 2.0, 0.25, 0.35, 0.5, 0.2
 """Share of each in an error: see `_errors`."""
 CENTRE_AND_RADIUS = np.array([[0.5, 0.5, 0.0], [0.5, 0.5, 0.0], [0.0, 0.0, 1.0]])
 """Mean square of the changes of row and column, for both; that of the radius."""
+FOLDS = (3, 4, 5, 6, 7, 8)
+"""Of the waves about a rim that make it a figure with as many sides or round corners."""
+ROUND_BAND, ROUND_ALONG = 0.12, 0.9
+"""Distance from a circle in radii, and cosine of the angle with its radius, of a figure's edges."""
+LEAST_WAVE, OF_SQUARES, LEAST_CHANCE = 0.015, 0.5, 1e-3
+"""Height of a wave in radii, its share of the squares of the distances from the circle, and the
+chance that scatter makes one: higher, larger and less likely ones are no circle's."""
+CORRELATED_POINTS = 2.5
+"""Neighbouring edge points, which share what noise the filter saw, that count as one."""
 ASIDE, RIM_STEP = 2.5, 0.5
 """How far beside a circle its rim is looked for, in the filter's widths, and in which steps."""
 
@@ -89,13 +98,9 @@ def fit_rim(values: Singles, place: Floats, sigma_px: float) -> tuple[Floats, Fl
     -------
     None where the edges have no circle there.
     """
-    reach = math.ceil(REACH_RADII * place[2] + REACH_PX)
-    top, left = (max(0, int(middle) - reach) for middle in place[:2])
-    bottom, right = (int(middle) + reach + 1 for middle in place[:2])
-    window = np.ascontiguousarray(values[top:bottom, left:right])
+    window, corner = _window(values, place, BEYOND)
     if min(window.shape[:2]) < LEAST_PX:
         return None
-    corner = np.array([top, left, 0.0])
     seen = gradient(window, sigma_px).edges
     edges = _unshifted(seen, gradient_field(window, WIDER * sigma_px), sigma_px, WIDER)
     start, rivals = _sharpest(edges, place - corner)
@@ -121,17 +126,63 @@ def sharpness(values: Singles, place: Floats, sigma_px: float) -> float:
     sigma_px
         Width of the narrow filter.
     """
-    reach = math.ceil(place[2] + 2.0 * ASIDE * sigma_px + REACH_PX)
-    top, left = (max(0, int(middle) - reach) for middle in place[:2])
-    bottom, right = (int(middle) + reach + 1 for middle in place[:2])
-    window = np.ascontiguousarray(values[top:bottom, left:right])
-    circle = place - np.array([top, left, 0.0])
+    window, corner = _window(values, place, 2.0 * ASIDE * sigma_px / place[2])
+    circle = place - corner
     narrow, wide = (
         _rim_sizes(gradient_field(window, width), circle, sigma_px)
         for width in (sigma_px, WIDER * sigma_px)
     )
     seen = wide > 0.0
     return float(np.median(narrow[seen] / wide[seen])) if seen.any() else 1.0
+
+
+def is_round(values: Singles, place: Floats, sigma_px: float) -> bool:
+    """Return whether a rim is a circle, not a polygon or a square with round corners.
+
+    The distances of its edges from the circle are fitted with and without a wave that goes three
+    to eight times around. A figure is what one such wave describes better than scatter may.
+
+    Parameters
+    ----------
+    place
+        Row, column and radius, shape (3,).
+    """
+    window, corner = _window(values, place, 2.0 * ROUND_BAND)
+    edges = gradient(window, sigma_px).edges.astype(np.float64)
+    off = edges[:, :2] - (place - corner)[:2]
+    away = np.hypot(*off.T) + 1e-9
+    along = np.abs((off * edges[:, 2:]).sum(axis=1)) / away
+    own = (np.abs(away - place[2]) < ROUND_BAND * place[2]) & (along > ROUND_ALONG)
+    turn, distance = np.arctan2(off[own, 0], off[own, 1]), away[own] - place[2]
+    free = 0.5 * (own.sum() / CORRELATED_POINTS - 5.0)
+    if free <= 0.0:
+        return True
+    circle = [np.ones_like(turn), np.cos(turn), np.sin(turn)]
+    plain, _ = _squares(circle, distance)
+    for fold in FOLDS:
+        left, found = _squares([*circle, np.cos(fold * turn), np.sin(fold * turn)], distance)
+        gained = 1.0 - left / max(plain, 1e-12)
+        chance = len(FOLDS) * (1.0 - gained) ** free
+        high = math.hypot(*found[3:]) > LEAST_WAVE * place[2]
+        if high and gained > OF_SQUARES and chance < LEAST_CHANCE:
+            return False
+    return True
+
+
+def _squares(terms: list[Floats], values: Floats) -> tuple[float, Floats]:
+    """Return the sum of squares that some terms leave of values, and their sizes."""
+    matrix = np.column_stack(terms)
+    found = np.linalg.lstsq(matrix, values, rcond=None)[0]
+    return float(((values - matrix @ found) ** 2).sum()), np.asarray(found)
+
+
+def _window(values: Singles, place: Floats, beyond: float) -> tuple[Singles, Floats]:
+    """Return the picture about a circle, and its corner; `beyond` it in radii."""
+    reach = math.ceil((1.0 + beyond) * place[2] + REACH_PX)
+    top, left = (max(0, int(middle) - reach) for middle in place[:2])
+    bottom, right = (int(middle) + reach + 1 for middle in place[:2])
+    window = np.ascontiguousarray(values[top:bottom, left:right])
+    return window, np.array([top, left, 0.0])
 
 
 @compiled
