@@ -33,17 +33,18 @@ LEAST_CHANCE = 0.01
 """Of a sample to look like a rim by chance: a picture's few things are not all by chance."""
 APART = 0.5
 """Share of the samples that count as each for itself: neighbours share what the filter sees."""
-AS_WHOLE, LEAST_SEEN = 0.6, 0.45
-"""Share of the rim that is seen, in that of the others', and the least: four straight sides that
-touch a circle are as near to it and as little turned over 0.31 of it."""
+AS_WHOLE = 0.6
+"""Share of the rim that is seen, in that of the others'."""
+SECTORS, SIDES = 32, 4
+"""Parts of a rim; and straight sides of a figure that touch a circle without being one."""
 LIKELY = -5.0
 """log10 of the number of false alarms of a disc that is like others."""
 MOST_PLACES, GRID_PX = 40, 2
 """How many places are tried, and the grid they lie on."""
 LEAST_FREE = 0.6
 """Share of a rim in the picture and free of known ones that counts as a whole one."""
-FARTHEST = 3.0
-"""Pixels that the steepest place lies off at most, as three pixels tell it."""
+FARTHEST, NOWHERE = 3.0, 1e6
+"""Pixels that the steepest place lies off at most, as three pixels tell it; where none is."""
 DIRECTIONS = 16
 """In which a sample's chance is counted."""
 MOST_MOVED, MOST_RESIZED, MOST_INSIDE = 0.3, 0.06, 0.055
@@ -107,11 +108,23 @@ def circles(values: Singles, known: Floats, others: Floats, tests: float) -> Flo
         best[3] = APART * best[3] + tests
         # One whose radius would go on beyond is a disc of another size.
         inside = abs(best[2] / start[2] - 1.0) < MOST_INSIDE
-        if inside and best[3] < LIKELY and best[4] > max(AS_WHOLE * whole, LEAST_SEEN):
+        sectors = _seen(steps.field, steps.free, best[:3], steps.noise)[3]
+        seen = best[4] > AS_WHOLE * whole and sectors > _of_sides(best[2])
+        if inside and seen and best[3] < LIKELY:
             found.append(
                 np.array([*((best[:2] + 0.5) * factor - 0.5), best[2] * factor, *best[3:]])
             )
     return np.array(found).reshape(-1, 5)
+
+
+def _of_sides(radius: float) -> float:
+    """Return the share of sectors where sides that touch a circle lie on it as near as a rim does.
+
+    Each goes off it, or turns from it, by as much as a rim may; and half a sector counts as one.
+    """
+    off = max(OFF_PX, OFF_RADII * radius)
+    half = min(math.acos(radius / (radius + off)), math.atan(MOST_TURNED))
+    return SIDES * (half / math.pi + 0.5 / SECTORS)
 
 
 def _inward(discs: Floats, factor: float) -> Floats:
@@ -185,7 +198,7 @@ def _is_rim(
     square = 0.0
     for k in range(2, len(field) - 1, 2):
         square += (u * field[k, i, j] + v * field[k + 1, i, j]) ** 2
-    return math.sqrt(square) <= OTHER_COLOUR * change + noise
+    return bool(math.sqrt(square) <= OTHER_COLOUR * change + noise)
 
 
 @compiled
@@ -211,12 +224,13 @@ def _seen(
     free: NDArray[np.bool_],
     circle: NDArray[np.float64],
     noise: float,
-) -> tuple[int, int, float]:
-    """Return samples of a rim that are free, those that look like it, and their share."""
+) -> tuple[int, int, float, float]:
+    """Return free samples of a rim, those that look like one, and shares of samples and sectors."""
     row, column, radius = circle
     wanted = max(12, int(2.0 * math.pi * radius / SAMPLE_PX))
     most = max(OFF_PX, OFF_RADII * radius)
-    samples = hits = 0
+    samples = hits = full = 0
+    last = -1
     for k in range(wanted):
         turn = 2.0 * math.pi * k / wanted
         u, v = math.sin(turn), math.cos(turn)
@@ -229,8 +243,13 @@ def _seen(
         size = math.sqrt(field[0, i, j] ** 2 + field[1, i, j] ** 2)
         along = field[-1, i, j] / size
         down, right = i + along * field[0, i, j] - row, j + along * field[1, i, j] - column
-        hits += abs(math.sqrt(down**2 + right**2) - radius) < most
-    return samples, hits, hits / max(samples, LEAST_FREE * wanted)
+        if abs(math.sqrt(down**2 + right**2) - radius) < most:
+            hits += 1
+            sector = k * SECTORS // wanted
+            full += sector != last
+            last = sector
+    share = max(samples / wanted, LEAST_FREE)
+    return samples, hits, hits / (wanted * share), full / (min(SECTORS, wanted) * share)
 
 
 @compiled
@@ -252,7 +271,7 @@ def _shares(
 def _fill_ridge(field: NDArray[np.float32]) -> None:
     """Fill in how far along the gradient in the step's colour the steepest place lies, pixels."""
     _, rows, columns = field.shape
-    field[-1] = np.inf
+    field[-1] = NOWHERE
     for i in range(2, rows - 2):
         for j in range(2, columns - 2):
             size = math.sqrt(field[0, i, j] ** 2 + field[1, i, j] ** 2)
@@ -321,7 +340,7 @@ def _sureness(
     chance: float,
 ) -> NDArray[np.float64]:
     """Return log10 of the chance of a rim that is seen so far, and its share that is seen."""
-    samples, hits, share = _seen(field, free, circle, noise)
+    samples, hits, share, _ = _seen(field, free, circle, noise)
     found = np.zeros(2)
     if hits > 0:
         found[0] = log_binomial_tail(samples, hits, chance)

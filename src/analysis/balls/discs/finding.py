@@ -47,8 +47,8 @@ NEARLY = 0.5
 SHARP, SHARPER, MOST_SHARPER = 1.3, 50.0, 0.02
 """Sharpness of a rim that says neither way, powers of ten by which a disc is surer for each 1 above
 it, and how far above it counts."""
-SOFTER, LEAST_SHARP = 0.07, 1.25
-"""By how much less sharp than theirs the rim of a disc like others may be, and the least it is."""
+SOFTER = 0.07
+"""By how much less sharp than theirs the rim of a disc like others may be."""
 BLOTCH = 0.4
 """Width of the ellipse that takes blotches off, in radii."""
 
@@ -144,6 +144,7 @@ def _of_versions(values: Singles, sought: _Sought, versions: tuple[int | None, .
     # The border of what is lit, or saturated, on a sphere is a circle too, next to its rim or not.
     refined = [at_rim(values, disc, sought.sigma_px) for disc in _rims(whole)]
     if sought.blotched:
+        refined = [disc for disc in refined if is_round(values, _place(disc), sought.sigma_px)]
         refined += _alike(values, sought, refined)
     # Two circles within one rim may both have led to it.
     found = [disc for k, disc in enumerate(refined) if not any(one(disc, o) for o in refined[:k])]
@@ -161,9 +162,10 @@ def _alike(values: Singles, sought: _Sought, found: list[Disc]) -> list[Disc]:
     tests = math.log10(values.shape[0] * values.shape[1] * 3 * max(1, len(groups)))
     more: list[Disc] = []
     for group in groups:
+        own, known = (np.array([_place(each) for each in some]) for some in (group, found + more))
         likely = [
-            Disc(*place[:3], *3 * (NO_RIM_RADII * place[2],), place[4], place[3])
-            for place in circles(values, _places(group), _places([*found, *more]), tests).tolist()
+            Disc(row, column, radius, *3 * (NO_RIM_RADII * radius,), rim, alarms)
+            for row, column, radius, alarms, rim in circles(values, own, known, tests).tolist()
         ]
         crisp = float(np.median([_sharpness(values, disc, sought) for disc in group]))
         for disc in sorted(likely, key=lambda each: each.log_alarms):
@@ -172,17 +174,16 @@ def _alike(values: Singles, sought: _Sought, found: list[Disc]) -> list[Disc]:
                 for other in (*found, *more)
             ):
                 continue
-            if _sharpness(values, disc, sought) < max(crisp - SOFTER, LEAST_SHARP):
+            if _sharpness(values, disc, sought) < crisp - SOFTER:
                 continue
             best = at_rim(values, disc, sought.sigma_px)
-            place = np.array([best.row, best.column, best.radius])
-            if same_rim(best, disc) and is_round(values, place, sought.sigma_px):
+            if same_rim(best, disc) and is_round(values, _place(best), sought.sigma_px):
                 more.append(best)
     return more
 
 
-def _places(discs: list[Disc]) -> Floats:
-    return np.array([[disc.row, disc.column, disc.radius] for disc in discs])
+def _place(disc: Disc) -> Floats:
+    return np.array([disc.row, disc.column, disc.radius])
 
 
 def _with_sharpness(values: Singles, disc: Disc, sought: _Sought) -> Disc:
@@ -199,12 +200,12 @@ def _with_sharpness(values: Singles, disc: Disc, sought: _Sought) -> Disc:
 
 def _sharpness(values: Singles, disc: Disc, sought: _Sought) -> float:
     width = sought.sigma_px * max(1.0, disc.radius / (1.5 * SEARCH_RADIUS_PX))
-    return sharpness(values, np.array([disc.row, disc.column, disc.radius]), width)
+    return sharpness(values, _place(disc), width)
 
 
 def at_rim(values: Singles, disc: Disc, sigma_px: float) -> Disc:
     """Return a disc with its circle fitted to the edges of the whole picture, errors and all."""
-    place = np.array([disc.row, disc.column, disc.radius])
+    place = _place(disc)
     sigmas = np.array([disc.row_sigma, disc.column_sigma, disc.radius_sigma])
     found = fit_rim(values, place, sigma_px)
     if found is not None:

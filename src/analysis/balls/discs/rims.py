@@ -58,9 +58,13 @@ FOLDS = (3, 4, 5, 6, 7, 8)
 """Of the waves about a rim that make it a figure with as many sides or round corners."""
 ROUND_BAND, ROUND_ALONG = 0.12, 0.9
 """Distance from a circle in radii, and cosine of the angle with its radius, of a figure's edges."""
-LEAST_WAVE, OF_SQUARES, LEAST_CHANCE = 0.015, 0.5, 1e-3
-"""Height of a wave in radii, its share of the squares of the distances from the circle, and the
+LEAST_WAVE, OF_SQUARES, LEAST_CHANCE = 0.015, 0.8, 1e-4
+"""Height of a wave in radii, its share of the square of the distances from the circle, and the
 chance that scatter makes one: higher, larger and less likely ones are no circle's."""
+RECENTRED, LEAST_EDGES = 3, 16
+"""How often the circle is moved to the middle of its edges, and how many say anything."""
+LEAST_SUMS = 6
+"""Fits with new weights to the least sum of distances: edges of other things hardly count in it."""
 CORRELATED_POINTS = 2.5
 """Neighbouring edge points, which share what noise the filter saw, that count as one."""
 ASIDE, RIM_STEP = 2.5, 0.5
@@ -139,8 +143,9 @@ def sharpness(values: Singles, place: Floats, sigma_px: float) -> float:
 def is_round(values: Singles, place: Floats, sigma_px: float) -> bool:
     """Return whether a rim is a circle, not a polygon or a square with round corners.
 
-    The distances of its edges from the circle are fitted with and without a wave that goes three
-    to eight times around. A figure is what one such wave describes better than scatter may.
+    The distances of its edges from the circle are fitted, to their least sum, with and without a
+    wave that goes three to eight times around. A figure is what one such wave describes better than
+    scatter may.
 
     Parameters
     ----------
@@ -149,19 +154,19 @@ def is_round(values: Singles, place: Floats, sigma_px: float) -> bool:
     """
     window, corner = _window(values, place, 2.0 * ROUND_BAND)
     edges = gradient(window, sigma_px).edges.astype(np.float64)
-    off = edges[:, :2] - (place - corner)[:2]
-    away = np.hypot(*off.T) + 1e-9
-    along = np.abs((off * edges[:, 2:]).sum(axis=1)) / away
-    own = (np.abs(away - place[2]) < ROUND_BAND * place[2]) & (along > ROUND_ALONG)
-    turn, distance = np.arctan2(off[own, 0], off[own, 1]), away[own] - place[2]
-    free = 0.5 * (own.sum() / CORRELATED_POINTS - 5.0)
-    if free <= 0.0:
-        return True
-    circle = [np.ones_like(turn), np.cos(turn), np.sin(turn)]
-    plain, _ = _squares(circle, distance)
+    circle = place - corner
+    # A circle through three sides of a square does not lie in its middle.
+    for _ in range(RECENTRED):
+        turn, distance = _distances(edges, circle)
+        if len(turn) < LEAST_EDGES:
+            return True
+        terms = [np.sin(turn), np.cos(turn), np.ones_like(turn)]
+        plain, moved = _left(terms, distance)
+        circle = circle + moved
+    free = 0.5 * (len(turn) / CORRELATED_POINTS - 5.0)
     for fold in FOLDS:
-        left, found = _squares([*circle, np.cos(fold * turn), np.sin(fold * turn)], distance)
-        gained = 1.0 - left / max(plain, 1e-12)
+        left, found = _left([*terms, np.cos(fold * turn), np.sin(fold * turn)], distance)
+        gained = 1.0 - (left / max(plain, 1e-12)) ** 2
         chance = len(FOLDS) * (1.0 - gained) ** free
         high = math.hypot(*found[3:]) > LEAST_WAVE * place[2]
         if high and gained > OF_SQUARES and chance < LEAST_CHANCE:
@@ -169,11 +174,24 @@ def is_round(values: Singles, place: Floats, sigma_px: float) -> bool:
     return True
 
 
-def _squares(terms: list[Floats], values: Floats) -> tuple[float, Floats]:
-    """Return the sum of squares that some terms leave of values, and their sizes."""
+def _distances(edges: Floats, circle: Floats) -> tuple[Floats, Floats]:
+    """Return angles at the centre and distances from a circle of the edges that may be its own."""
+    off = edges[:, :2] - circle[:2]
+    away = np.hypot(*off.T) + 1e-9
+    along = np.abs((off * edges[:, 2:]).sum(axis=1)) / away
+    own = (np.abs(away - circle[2]) < ROUND_BAND * circle[2]) & (along > ROUND_ALONG)
+    return np.arctan2(off[own, 0], off[own, 1]), away[own] - circle[2]
+
+
+def _left(terms: list[Floats], values: Floats) -> tuple[float, Floats]:
+    """Return the least sum of sizes of what some terms leave of values, and the terms' sizes."""
     matrix = np.column_stack(terms)
-    found = np.linalg.lstsq(matrix, values, rcond=None)[0]
-    return float(((values - matrix @ found) ** 2).sum()), np.asarray(found)
+    weights = np.ones_like(values)
+    for _ in range(LEAST_SUMS):
+        found = np.linalg.lstsq(matrix * weights[:, None], values * weights, rcond=None)[0]
+        left = np.abs(values - matrix @ found)
+        weights = 1.0 / np.sqrt(np.maximum(left, EXACT_PX))
+    return float(left.sum()), np.asarray(found)
 
 
 def _window(values: Singles, place: Floats, beyond: float) -> tuple[Singles, Floats]:
