@@ -54,7 +54,7 @@ OF_SCATTER, OF_HALVES, OF_SHIFT, OF_WIDEST, OF_RIVAL = 2.0, 0.25, 0.35, 0.5, 0.2
 """Share of each in an error: see `_errors`."""
 CENTRE_AND_RADIUS = np.array([[0.5, 0.5, 0.0], [0.5, 0.5, 0.0], [0.0, 0.0, 1.0]])
 """Mean square of the changes of row and column, for both; that of the radius."""
-FOLDS = (3, 4, 5, 6, 7, 8)
+FOLDS = (4, 5, 6, 7, 8)
 """Of the waves about a rim that make it a figure with as many sides or round corners."""
 ROUND_BAND, ROUND_ALONG = 0.12, 0.9
 """Distance from a circle in radii, and cosine of the angle with its radius, of a figure's edges."""
@@ -144,7 +144,7 @@ def is_round(values: Singles, place: Floats, sigma_px: float) -> bool:
     """Return whether a rim is a circle, not a polygon or a square with round corners.
 
     The distances of its edges from the circle are fitted, to their least sum, with and without a
-    wave that goes three to eight times around. A figure is what one such wave describes better than
+    wave that goes four to eight times around. A figure is what one such wave describes better than
     scatter may.
 
     Parameters
