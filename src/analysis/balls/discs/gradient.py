@@ -20,13 +20,7 @@ LEAST_SHARE = 0.09
 MOST_CANDIDATES = 300
 
 
-def candidates(
-    edges: Singles,
-    shape: tuple[int, ...],
-    radii: tuple[float, float],
-    most: int = MOST_CANDIDATES,
-    least: float = LEAST_SHARE,
-) -> Floats:
+def candidates(edges: Singles, shape: tuple[int, ...], radii: tuple[float, float]) -> Floats:
     """Return places where many edge points point to, the best first.
 
     Bright discs on dark ground and dark ones on bright ground are counted apart: else the two
@@ -38,8 +32,6 @@ def candidates(
         Of `gradient`.
     radii
         Smallest and largest, pixels.
-    most, least
-        How many places are returned, and share of the rim that votes for one.
 
     Returns
     -------
@@ -58,7 +50,7 @@ def candidates(
             # A point's vote counts as it would at the centre of a rim that is exact to the blur.
             votes *= 2.0 * np.pi * width**2 * _PEAK
             top = cv2.dilate(votes, np.ones((5, 5), np.uint8))
-            rows, columns = np.nonzero((votes >= top) & (votes >= least))
+            rows, columns = np.nonzero((votes >= top) & (votes >= LEAST_SHARE))
             if len(rows):
                 share = votes[rows, columns]
                 place = np.stack(
@@ -68,7 +60,7 @@ def candidates(
     if not found:
         return np.empty((0, 4))
     every = np.concatenate(found)
-    return np.asarray(every[np.argsort(-every[:, 0], kind="stable")][:most])
+    return np.asarray(every[np.argsort(-every[:, 0], kind="stable")][:MOST_CANDIDATES])
 
 
 _PEAK = 0.6
