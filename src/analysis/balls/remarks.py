@@ -6,22 +6,16 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.balls.beside import edges, hands, one_more, outside, place_of
 from analysis.balls.doubts import doubts
 from analysis.balls.films.film import FilmHead
 from analysis.balls.flight.flights import LEAST_PLACES, MOST_LEFT_OUT, Flights
-from analysis.balls.gaps import frame_at, period_of
+from analysis.balls.gaps import period_of
 from analysis.balls.measuring import MeasuredBall
 from analysis.balls.seen.arcs import Arc, Chain
 from analysis.errors import counted
 
-NEAR_RADII = 1.6
-LOW_BOUNCE = 0.2
-"""Of a radius: rows that differ by more at the plate are those of a ball that bounces."""
-QUICK = 0.05  # Radii a frame: what is held at the picture's border moves less.
-FOLLOWED = 4.0
-"""Frames from the last place of a flight to the bounce that ends it: seen up to there."""
 CONTACT_FRAMES = 0.6
 """Frames beside a contact, and half the exposure, in which places may show part of it."""
 FEW_GAPS = 2
@@ -40,23 +34,36 @@ def _remarks(measured: MeasuredBall) -> Iterator[str]:
     yield from head.notes
     yield from (_other(*other) for other in measured.search.others)
     yield from _missing(measured)
-    yield from _edges(measured)
+    yield from edges(measured)
     yield from _repeated(measured)
-    yield from _outside(measured)
+    yield from outside(measured)
     if len(measured.placed.frames):
-        yield from _hands(measured)
+        yield from hands(measured)
     if measured.flights is None:
-        arc = chain.arcs[0]
-        yield (
-            f"no bounce: the ball flies from frame {arc.frames[0]} {_at(arc, 0)} to frame "
-            f"{arc.frames[-1]} {_at(arc, -1)} without a second flight that meets the first; if it "
-            "bounces there, frames are missing, or the film's rate varies without times of its own"
-        )
+        yield _no_bounce(chain.arcs[0], head.frames - 1)
         return
-    yield from _one_more(measured, measured.flights)
+    yield from one_more(measured, measured.flights)
     yield from _of_flights(measured.flights, head)
     yield from _do_not_count(measured, measured.flights)
     yield from doubts(measured, measured.flights)
+
+
+def _no_bounce(arc: Arc, last: int) -> str:
+    """Say that a flight is seen alone, and why."""
+    left = last - int(arc.frames[-1])
+    said = (
+        f"no bounce: the ball flies from frame {arc.frames[0]} {place_of(arc, 0)} to frame "
+        f"{arc.frames[-1]} {place_of(arc, -1)} without a second flight that meets the first"
+    )
+    if left <= LEAST_PLACES:
+        return (
+            f"{said}; the film ends {counted(left, 'frame')} later, at frame {last}, and a flight "
+            f"after a bounce needs {LEAST_PLACES} of its own"
+        )
+    return (
+        f"{said}; if it bounces there, frames are missing, or the film's rate varies without times "
+        "of its own"
+    )
 
 
 def _other(other: Chain, is_round: bool) -> str:
@@ -64,7 +71,7 @@ def _other(other: Chain, is_round: bool) -> str:
     what = "another ball flies" if is_round else "something else moves"
     return (
         f"{what} in frames {arc.frames[0]} to "
-        f"{other.arcs[-1].frames[-1]}, first {_at(arc, 0)}; it is left out"
+        f"{other.arcs[-1].frames[-1]}, first {place_of(arc, 0)}; it is left out"
     )
 
 
@@ -111,158 +118,10 @@ def _repeated(measured: MeasuredBall) -> Iterator[str]:
         )
 
 
-def _outside(measured: MeasuredBall) -> Iterator[str]:
-    """Say where the ball is seen before its first flight or after its last."""
-    chain, seen = measured.chain, measured.search.unexplained
-    first, last = chain.arcs[0].frames[0], chain.arcs[-1].frames[-1]
-    for when, own in (("before", seen[seen[:, 0] < first]), ("after", seen[seen[:, 0] > last])):
-        if len(own) < LEAST_PLACES:
-            continue
-        start, end = np.median(own[:3, 1:], axis=0), np.median(own[-3:, 1:], axis=0)
-        down, across = abs(end[0] - start[0]), abs(end[1] - start[1])
-        radius = measured.looks.radius_px
-        moves = across > max(2 * down, 0.5 * radius)
-        does = "rolls or is carried" if moves else "is held or rests"
-        if len(chain.places) and (np.abs(own[:, 1] - chain.places[-1, 0]) < radius).all():
-            does = "rolls along the plate" if moves else "rests on the plate"
-            if np.ptp(own[:, 1]) > LOW_BOUNCE * radius:
-                does = "bounces too low to be measured"
-        # It crosses no border along which it moves.
-        size = measured.head.width if across > down else measured.head.height
-        cut = [min(at, size - at) < radius for at in own[[0, -1], 2 if across > down else 1]]
-        if cut[0] != cut[1] and math.hypot(down, across) > QUICK * radius * len(own):
-            does = "enters the picture" if cut[0] else "leaves the picture"
-        yield (
-            f"{when} its flights, in frames {own[0, 0]:.0f} to {own[-1, 0]:.0f}, the ball or what "
-            f"looks like it {does}: from ({start[0]:.0f}, {start[1]:.0f}) to ({end[0]:.0f}, "
-            f"{end[1]:.0f}) px; these frames do not count"
-        )
-
-
-def _hands(measured: MeasuredBall) -> Iterator[str]:
-    """Say where the ball looks or moves otherwise at both ends of its flights: hands let it go.
-
-    Over its own shadow at the plate, and cut by the picture's border, it looks otherwise too.
-    """
-    placed = measured.placed.frames
-    first, last = measured.chain.arcs[0], measured.chain.arcs[-1]
-    for arc, out in ((first, first.frames < placed[0]), (last, last.frames > placed[-1])):
-        own = np.flatnonzero(out & _whole(measured, arc))
-        if len(own) >= LEAST_PLACES:
-            a, b = own[[0, -1]]
-            yield (
-                f"from frame {arc.frames[a]} {_at(arc, a)} to frame {arc.frames[b]} {_at(arc, b)} "
-                "the ball does not look or fly as it does in the others: a hand is at it, "
-                "something is in front of it, frames are missing, or the film's rate varies; these "
-                "frames do not count"
-            )
-
-
-def _whole(measured: MeasuredBall, arc: Arc) -> NDArray[np.bool_]:
-    """Return in which frames of an arc the ball is clear of the plate and of the border."""
-    reach = NEAR_RADII * measured.looks.radius_px
-    sides = np.array([measured.head.height, measured.head.width])
-    inside = (arc.places > reach).all(axis=1) & (arc.places < sides - reach).all(axis=1)
-    plate = measured.chain.places[:, 0]
-    apart = np.abs(arc.places[:, :1] - plate).min(axis=1, initial=np.inf)
-    return np.asarray(inside & (apart > reach))
-
-
 def _listed(frames: list[int]) -> str:
     """Return numbers with commas, the first of many."""
     more = f" and {len(frames) - SHOWN} more" if len(frames) > SHOWN else ""
     return ", ".join(map(str, frames[:SHOWN])) + more
-
-
-def _at(arc: Arc, index: int) -> str:
-    row, column = arc.places[index]
-    return f"at ({row:.0f}, {column:.0f}) px"
-
-
-def _edges(measured: MeasuredBall) -> Iterator[str]:
-    """Say where the ball enters or leaves the picture, and where the film begins or ends."""
-    head, chain = measured.head, measured.chain
-    for arc, index, word in ((chain.arcs[0], 0, "enters"), (chain.arcs[-1], -1, "leaves")):
-        frame = int(arc.frames[index])
-        at_the_film_s_end = frame in (0, head.frames - 1)
-        if _goes_out(measured, arc, index) and not at_the_film_s_end:
-            yield f"the ball {word} the picture at frame {frame} {_at(arc, index)}"
-        elif at_the_film_s_end and word == "leaves" and len(arc.frames) < 2 * LEAST_PLACES:
-            yield f"the film ends at frame {frame}, soon after a bounce, {_at(arc, index)}"
-    gaps = [
-        (int(a), int(b))
-        for arc in chain.arcs
-        for a, b in zip(arc.frames[:-1], arc.frames[1:], strict=True)
-        if b - a > LEAST_PLACES
-    ]
-    for a, b in gaps:
-        yield f"the ball is not seen between frames {a} and {b}: it is hidden or out of the picture"
-
-
-def _goes_out(measured: MeasuredBall, arc: Arc, index: int) -> bool:
-    """Return whether the ball is about to cross a border of the picture, or has just come in.
-
-    Below the plate it does not go, nor where it is seen outside its flights just before or after.
-    """
-    if len(arc.frames) < 2:
-        return False
-    head, radius = measured.head, measured.looks.radius_px
-    inner = 1 if index == 0 else -2
-    place, step = arc.places[index], arc.places[index] - arc.places[inner]
-    seen = measured.search.unexplained
-    beside = seen[np.abs(seen[:, 0] - arc.frames[index]) < LEAST_PLACES, 1:] - place
-    if (np.hypot(*beside.T) < NEAR_RADII * radius + LEAST_PLACES * np.hypot(*step)).any():
-        return False
-    plate = measured.chain.places[:, 0].max(initial=-np.inf)
-    bottom = head.height if plate + radius > head.height or plate < 0 else np.inf
-    room = np.array([place[0], place[1], bottom - place[0], head.width - place[1]])
-    outward = np.concatenate([-step, step])
-    return bool(((outward > 0) & (room < NEAR_RADII * radius + outward)).any())
-
-
-def _one_more(measured: MeasuredBall, flights: Flights) -> Iterator[str]:
-    """Say where and why a bounce that ends the last flight is not measured."""
-    head, radius = measured.head, measured.looks.radius_px
-    time = flights.next_contact_s
-    row, column, _ = flights.at(np.array([time]), np.array([flights.bounces]))[0]
-    delay = float(flights.row_delay(np.array([[row, column]]))[0])
-    frame = frame_at(measured.times_s, time - delay)
-    last = head.frames - 1
-    own = flights.observed.frames[flights.arcs == flights.bounces]
-    if frame > last + 0.5 or frame - own.max(initial=0) > FOLLOWED:
-        return
-    arcs = measured.chain.arcs
-    places = np.concatenate([np.column_stack([a.frames, a.places]) for a in arcs])
-    seen = np.concatenate([places, measured.search.unexplained])
-    after = seen[seen[:, 0] > frame]
-    left = max(0, int(last - math.floor(frame + 0.5)))
-    short = flights.lasts_after_next_s / period_of(measured.times_s)
-    if left < LEAST_PLACES:
-        why = (
-            f"the film ends {counted(left, 'frame')} after it, at frame {last}; {LEAST_PLACES} are "
-            "needed"
-        )
-    elif not len(after):
-        why = "the ball is not seen after it"
-    elif (row - after[:, 1] < radius).all():
-        why = (
-            f"until frame {after[:, 0].max():.0f} the ball stays over its shadow at the plate, "
-            "where places are off: it bounces too low, rolls or rests"
-        )
-    elif short < LEAST_PLACES + 2.0:
-        why = (
-            f"the flight after it lasts some {short:.1f} frames, too few to be measured at this "
-            "frame rate"
-        )
-    else:
-        why = (
-            "no free flight that fits its time follows it: frames are missing, or the ball is "
-            "caught, hidden, or out of the picture"
-        )
-    yield (
-        f"bounce {flights.bounces + 1}, at about frame {frame:.1f} and ({row:.0f}, {column:.0f}) "
-        f"px, is not measured: {why}"
-    )
 
 
 def _do_not_count(measured: MeasuredBall, flights: Flights) -> Iterator[str]:

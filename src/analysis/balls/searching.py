@@ -16,7 +16,7 @@ from analysis.balls.films.fields import refuse_combed
 from analysis.balls.films.film import Film, FilmHead, Picture, spread_frames
 from analysis.balls.films.steady import refuse_shaken
 from analysis.balls.flight.known import Ball
-from analysis.balls.found import MUCH_MORE, Search, another, best_of, frames_of
+from analysis.balls.found import APART_RADII, MUCH_MORE, Search, another, best_of, frames_of
 from analysis.balls.gaps import Gap
 from analysis.balls.seen.arcs import Chain, Sightings
 from analysis.balls.seen.background import Brightness, background, evened, some_pixels
@@ -46,6 +46,9 @@ LEAST_FRAMES = 6
 LEAST_BALL_FRAMES = 6
 NEAR_RADII = 0.5
 """From a flight to a disc that is the same thing."""
+AS_STRONG, HARDLY_SEEN = 0.7, 0.4
+"""Of a response: what is seen while the ball flies elsewhere and is the same thing; of the ball's
+mean response in its flights: what is none."""
 HARDLY, LEAST_STEP_PX = 0.15, 2.0
 """Share of the steps beside it that the disc of a picture shown twice moves at most, and the least
 of these steps, px."""
@@ -168,7 +171,7 @@ def _searches(
             continue
         linked, chain, fall = flights
         others = tuple((c, _round(c, looks)) for c in linked[1:] if _beside(c, chain))
-        beyond = _unexplained(seen, linked, chain)
+        beyond = _unexplained(seen, linked, chain, looks.radius_px)
         odd = bool(fall[0] != stated[0])
         known = seen.times_s, gaps
         yield Search(looks, chain, fall, others, beyond, repeated, gains, about, odd, *known)
@@ -292,16 +295,40 @@ def _moves_beside(again: Sequence[int], sizes: Floats) -> bool:
     return False
 
 
-def _unexplained(seen: Sightings, linked: Sequence[Chain], chain: Chain) -> Floats:
-    """Return frame and place where the ball is seen, strongest, outside all flights that fall."""
+def _unexplained(
+    seen: Sightings, linked: Sequence[Chain], chain: Chain, radius_px: float
+) -> Floats:
+    """Return frame and place where the ball is seen, strongest, outside all flights that fall.
+
+    What is seen at a place while the ball flies elsewhere is none, and what hardly looks like it.
+    """
     in_flight = {int(f) for each in linked[1:] for arc in each.arcs for f in arc.frames}
     in_flight |= {int(f) for arc in chain.arcs for f in arc.frames}
-    found = [
-        (k, *places[0, :2])
-        for k, places in enumerate(seen.places)
-        if len(places) and k not in in_flight
-    ]
+    still = _beside_flights(seen, chain, radius_px)
+    least = HARDLY_SEEN * chain.strength / sum(len(arc.frames) for arc in chain.arcs)
+    found = []
+    for k, places in enumerate(seen.places):
+        if k in in_flight:
+            continue
+        for place in places[places[:, 2] > least]:
+            near = np.hypot(*(still[:, :2] - place[:2]).T) < NEAR_RADII * radius_px
+            alike = still[near, 2] > AS_STRONG * place[2]
+            if alike.sum() < LEAST_BALL_FRAMES:
+                found.append((k, *place[:2]))
+                break
     return np.array(found, dtype=np.float64).reshape(-1, 3)
+
+
+def _beside_flights(seen: Sightings, chain: Chain, radius_px: float) -> Floats:
+    """Return row, column and response of what is seen while the ball flies elsewhere."""
+    beside = [
+        each
+        for arc in chain.arcs
+        for frame, own in zip(arc.frames.tolist(), arc.places, strict=True)
+        for each in seen.places[frame]
+        if np.hypot(*(each[:2] - own)) > APART_RADII * radius_px
+    ]
+    return np.array(beside, dtype=np.float64).reshape(-1, 3)
 
 
 def _way(seen: Sightings, looks: Looks) -> str:

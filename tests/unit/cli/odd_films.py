@@ -94,6 +94,22 @@ def leaves_and_comes_back() -> list[Drawn]:
     return [picture(row) for row in rows]
 
 
+def wall_before_the_ball(light: float, frames: int) -> list[Drawn]:
+    """Draw a light of the ball's size on the wall in some first frames; a ball enters in the 8th.
+
+    Parameters
+    ----------
+    light
+        Of the ball's light over that of the wall.
+    """
+    shown = [picture(-100.0)] * 8 + leaves_and_comes_back()[:120]
+    spot = light * (picture(60.0, 100.0).astype(float) - picture(-100.0))
+    return [
+        np.asarray(np.clip(each + spot * (k < frames), 0, 255), np.uint8)
+        for k, each in enumerate(shown)
+    ]
+
+
 def rolls_away() -> tuple[list[Drawn], int]:
     """Draw a ball that bounces and then rolls; return the frame in which it begins to roll."""
     rows = bouncing(140, 0.6)

@@ -21,6 +21,7 @@ from tests.unit.cli.falling_ball import (
     Drawn,
     answer,
     bouncing,
+    picture,
     save,
 )
 
@@ -136,6 +137,29 @@ def test_a_ball_that_comes_back_from_above_the_picture_is_in_one_flight(
     assert len(shot["impacts"]) == 2
     assert all(is_true(impact, 0.9) for impact in shot["impacts"])
     assert "out of the picture" in said(shot, "not seen between frames")
+
+
+@pytest.mark.parametrize(("light", "frames"), [(0.38, 8), (0.5, 30)])
+def test_what_is_no_ball_is_not_said_to_be_it_before_the_ball_enters(
+    light: float, frames: int, tmp_path: Path, capsys: Capsys
+) -> None:
+    shot = analysed(odd_films.wall_before_the_ball(light, frames), tmp_path, capsys)
+    assert is_true(shot["impacts"][0], 0.9)
+    assert not any("or what looks like it" in note for note in shot["notes"])
+
+
+@pytest.mark.parametrize("after", [4, 6])
+def test_a_last_flight_that_the_film_s_end_cuts_counts_from_four_frames_on(
+    after: int, tmp_path: Path, capsys: Capsys
+) -> None:
+    """The first frame after the bounce, 67.6, is next to it."""
+    shot = analysed([picture(row) for row in bouncing(69 + after)], tmp_path, capsys)
+    assert is_true(shot["impacts"][0], 0.8)
+
+
+def test_a_film_that_ends_two_frames_after_a_bounce_says_so(tmp_path: Path, capsys: Capsys) -> None:
+    shot = analysed([picture(row) for row in bouncing(71)], tmp_path, capsys)
+    assert "the film ends 2 frames later, at frame 70" in said(shot, "no bounce")
 
 
 def test_a_ball_that_rolls_away_after_its_bounce_is_said_with_frames_and_places(

@@ -87,8 +87,8 @@ def verdict(campaign: tuple[Path, Any]) -> dict[str, Any]:
 def test_each_bounce_of_a_film_is_measured_however_low_it_is(campaign: tuple[Path, Any]) -> None:
     shots = campaign[1]["shots"]
     bounces = [shot["impacts"] for shot in shots]
-    # Those whose next bounce is still on the film.
-    assert [len(each) for each in bounces] == [3, 4, 6]
+    # Those after which the ball is still seen high enough.
+    assert [len(each) for each in bounces] == [3, 5, 6]
     for impact in (one for each in bounces for one in each):
         e, speed = impact["e"], abs(impact["v_n"]["value"])
         assert abs(e["value"] - restitution(speed)) < 4 * e["sigma"]

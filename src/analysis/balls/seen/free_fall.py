@@ -29,6 +29,9 @@ SEEN_RADII, SEEN_PX = 0.03, 0.3
 AT_BOUNCE, LEAST_CLEAR = 2, 12
 """Places next to a bounce, which may lie on its other side, and sightings of a flight that is long
 enough to go without them."""
+LEAST_E, MOST_E, STILL_RISES = 0.2, 1.1, 0.5
+"""Speed after a bounce over that before it, and of that what is left at the end of a flight that is
+cut while it rises."""
 STEADY_RADII = 0.5
 """A ball that stays within so many radii for all its frames is not in flight."""
 
@@ -110,7 +113,7 @@ def flying(chain: Chain, looks: Looks, fall: Floats) -> Chain:
     """Return a chain from its first flight up to the one that does not bend as a fall does.
 
     Places of a ball that is held, rests or rolls go through pieces of short falls, and those meet
-    in bounces.
+    in bounces. A last flight that is too short to bend counts while it rises from a bounce.
     """
     first, last = 0, len(chain.arcs)
     bends = [bend_of([arc], looks, fall) for arc in chain.arcs]
@@ -118,10 +121,26 @@ def flying(chain: Chain, looks: Looks, fall: Floats) -> Chain:
     while first < last - 1 and still[first] and _stays(chain.arcs[first], looks):
         first += 1
     last = next((k for k in range(first + 1, last) if still[k]), last)
-    while last > first + 1 and bends[last - 1] is None:
+    while last > first + 1 and bends[last - 1] is None and not _rises(chain, last - 1, fall):
         last -= 1
     bounces = slice(first, last - 1)
     return Chain(chain.arcs[first:last], chain.times_s[bounces], chain.places[bounces])
+
+
+def _rises(chain: Chain, index: int, fall: Floats) -> bool:
+    """Return whether a flight rises from a bounce up to its end, as one that the film's end cuts.
+
+    Its bounce says when and where it begins, and flights before how it falls.
+    """
+    before, after = chain.arcs[index - 1], chain.arcs[index]
+    (came_at, _, came), (left_at, _, left) = (
+        arc.course(fall, end=end) for arc, end in ((before, True), (after, False))
+    )
+    time = chain.times_s[index - 1]
+    comes = float(came[0] + fall[0] * (time - came_at))
+    leaves = -float(left[0] + fall[0] * (time - left_at))
+    goes_on = leaves - float(fall[0]) * float(after.times_s[-1] - time)
+    return LEAST_E * comes < leaves < MOST_E * comes and goes_on > STILL_RISES * leaves
 
 
 def _stays(arc: Arc, looks: Looks) -> bool:
@@ -154,7 +173,32 @@ def flown(chain: Chain, radius_px: float) -> Chain:
 
 
 def _of_arc(arc: Arc, least: float) -> int:
-    return _begins(arc.times_s, arc.places[:, 0], least)
+    """Return how many sightings of an arc come before its flight."""
+    first = _begins(arc.times_s, arc.places[:, 0], least)
+    return 0 if first and _falls_alike(arc, first, least) else first
+
+
+def _falls_alike(arc: Arc, first: int, least: float) -> bool:
+    """Return whether the sightings before one fall as those from it on do.
+
+    A light ball falls otherwise early than late, too.
+    """
+    if first <= PARABOLA:
+        return False
+    (early, sigma), (late, _) = (
+        _fall(each.times_s, each.places[:, 0], least)
+        for each in (arc.part(0, first), arc.part(first, len(arc.frames)))
+    )
+    low, high = FALL_SHARE
+    return low * late + sigma < early < high * late - sigma
+
+
+def _fall(times_s: Floats, rows: Floats, error: float) -> tuple[float, float]:
+    """Return by how much rows bend, px/s^2, and the error of it."""
+    gone = times_s - times_s.mean()
+    design = np.stack([0.5 * gone**2, gone, np.ones_like(gone)], axis=1)
+    inverse = np.linalg.pinv(design)
+    return float(inverse[0] @ rows), error * float(np.hypot.reduce(inverse[0]))
 
 
 def rests(times_s: Floats, rows: Floats, radius_px: float) -> int:

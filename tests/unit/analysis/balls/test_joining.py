@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.balls.seen.arcs import Arc, Chain, Sightings, find_arcs, joined
-from analysis.balls.seen.free_fall import falls
+from analysis.balls.seen.free_fall import falls, flown
 from analysis.balls.seen.looks import Looks
 
 Floats = NDArray[np.float64]
@@ -53,6 +53,20 @@ def test_what_rests_is_no_flight_though_its_frames_are_too_few_to_show_how_they_
     sightings = Sightings(np.arange(len(seen)) / RATE, seen, SHAPE)
     (found,) = find_arcs(sightings, RADIUS, FALL)
     assert found.frames.tolist() == list(range(8, 38))
+
+
+def test_a_light_ball_that_falls_from_the_first_frame_is_not_held_there() -> None:
+    # It would fall at 4.5 m/s for ever, before a camera of 60 frames/s.
+    gravity, fastest = 3280.0, 1500.0
+    times = np.arange(26.0) / 60.0
+    rows = 36.0 + fastest**2 / gravity * np.log(np.cosh(gravity * times / fastest))
+    held = np.concatenate([np.full(9, 36.0), rows])
+    for each, first in ((rows, 0), (held, 9)):
+        frames = np.arange(len(each))
+        places = np.stack([each, np.full(len(each), 100.0)], axis=1)
+        one = Arc(frames, frames / 60.0, places, 1.0)
+        (kept,) = flown(Chain((one,), np.zeros(0), np.zeros((0, 2))), 20.0).arcs
+        assert abs(int(kept.frames[0]) - first) <= (0 if first == 0 else 6)
 
 
 def test_a_fast_flight_that_is_followed_over_its_bounce_still_falls() -> None:
