@@ -35,6 +35,9 @@ EXPOSURES = (0.0, 0.03, 0.08, 0.15, 0.25, 0.4, 0.6, 0.8, 0.98)
 SLOW_FRAMES, MORE_SLOW, FAST_FRAMES = 6, 4, 4
 TOLD_SMEAR_PX = 1.5
 """A change of the smear by less is not told from blur."""
+HARDLY_WORSE = 0.04
+"""Rise of the misfit over its least up to which an exposure may be: codecs blur, and a light that
+was learned with one exposure explains that one best."""
 TEACHING_FRAMES = 100
 """At least so many of a film's frames teach the ball's light, where it has as many."""
 LEAST_CELL = 3.0
@@ -135,7 +138,8 @@ class Placer:
 
         Returns
         -------
-        Exposure and its standard error in s; None where smears are too short to tell.
+        Exposure and its standard error in s, that of none at all where the fastest frames show no
+        smear: how long it may be all the same. None where smears are too short to tell.
         """
         chosen = self._by_speed(windows, motion)[-2 * FAST_FRAMES :]
         speeds = np.hypot(*motion.speeds.T)
@@ -150,11 +154,15 @@ class Placer:
 
         whole = [share * period_s for share in EXPOSURES]
         near = _about(whole, self.exposure_s) if self._exposure_told else whole
-        found = _least(_together(misfits, near), near)
+        misfit = _together(misfits, near)
+        found = _least(misfit, near)
         if found in (near[0], near[-1]) and found not in (whole[0], whole[-1]):
-            found = _least(_together(misfits, whole), whole)
+            misfit = _together(misfits, whole)
+            found = _least(misfit, whole)
+        unsure = _unsure(misfit, whole, found)
         self.exposure_s, self._exposure_told = found, True
-        return self.exposure_s, TOLD_SMEAR_PX / fastest / np.sqrt(min(len(chosen), FAST_FRAMES))
+        smear = TOLD_SMEAR_PX / fastest / np.sqrt(min(len(chosen), FAST_FRAMES))
+        return found, max(unsure, float(smear))
 
     def _slow(self, windows: Sequence[Window], motion: Motion) -> list[Window]:
         """Return those of the slowest frames that are explained best.
@@ -336,3 +344,26 @@ def _least(misfit: Callable[[float], float], tried: Sequence[float]) -> float:
         values.insert(at, value)
         misfits.insert(at, misfit(value))
     return values[int(np.argmin(misfits))]
+
+
+def _unsure(misfit: Callable[[float], float], tried: Sequence[float], found: float) -> float:
+    """Return how far from the value of least misfit others are hardly worse, on average of sides.
+
+    At a bound of what is tried there is one side; where a side has none that is worse, the larger
+    of both.
+    """
+    most = (1.0 + HARDLY_WORSE) * misfit(found)
+    sides, closed = [], True
+    for beyond in ([v for v in tried if v > found], [v for v in reversed(tried) if v < found]):
+        at, before, rises = found, misfit(found), False
+        for value in beyond:
+            here = misfit(value)
+            rises = here > most
+            share = (most - before) / (here - before) if rises else 1.0
+            at, before = at + share * (value - at), here
+            if rises:
+                break
+        if beyond:
+            sides.append(abs(at - found))
+            closed &= rises
+    return float(np.mean(sides)) if closed else max(sides)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
 from analysis.balls.seen.photometry import MAP_SIDE, fit_place
@@ -78,6 +79,20 @@ def test_a_shadow_under_the_ball_is_not_taken_for_its_smear() -> None:
     told = placer.learn_exposure(windows, motion, PERIOD_S)
     assert told is not None
     assert abs(placer.exposure_s - 1.2e-3) < 3e-4
+
+
+@pytest.mark.parametrize("exposure_s", [0.6e-3, 1.2e-3])
+@pytest.mark.parametrize("blur_px", [0.85, 1.7])
+def test_an_exposure_that_a_blur_taken_too_wide_hides_is_within_twice_its_error(
+    exposure_s: float, blur_px: float
+) -> None:
+    """Rims are sharper than 0.4 px: the wider blur leaves no smear to be seen."""
+    windows, motion = falling(exposure_s, shadow=0.0)
+    placer = Placer.new(RADIUS, 0.0)
+    placer.blur_px = blur_px
+    told = placer.learn_exposure(windows, motion, PERIOD_S)
+    assert told is not None
+    assert abs(told[0] - exposure_s) < 2 * told[1] < 3e-3
 
 
 def test_the_rim_of_a_sharp_film_is_not_taken_for_a_wide_one() -> None:
