@@ -22,6 +22,8 @@ from analysis.balls.seen.looks import Looks
 
 FALLS = (1.0, 0.7, 1.4, 0.5, 2.0)
 """Of the fall that follows from the stated diameter: those that are tried."""
+NEAR_FALL, MOST_FALLS = 0.05, 8
+"""Falls that differ by so little are one; and how many are tried."""
 OTHER_FALLS = tuple(2.0**k for k in (*range(-2, -13, -1), *range(2, 6)))
 """Of that fall, what a diameter in another unit and a film in slow motion make of it: 1000 frames/s
 that are shown at 25 fall 1600 times as slowly. Each is found from half of it to twice."""
@@ -69,25 +71,53 @@ def flights_of(seen: Sightings, looks: Looks, stated: Floats) -> Flights | None:
     """Return chains of flights, the part of the strongest that the ball flies, and its fall.
 
     Where few flights bend as the stated diameter says, other falls are tried: a person may have
-    stated a radius, or another rate. Only flights that bend alike on both sides of a bounce count.
+    stated a radius, or another rate; and as a clutter may have been taken for a part of the ball,
+    the fall of the longest flight itself. Only flights that bend alike on both sides of a bounce
+    count.
     """
     best: Flights | None = None
     own: list[Arc] = []
-    most = 0
-    for share in FALLS:
+    most = as_said = 0
+    shares = list(FALLS)
+    for share in shares:
         fall = share * stated
         arcs = joined(find_arcs(seen, looks.radius_px, fall), looks.radius_px, fall, seen.shape)
+        if len(shares) < MOST_FALLS and (own_share := _of_longest(arcs, looks, stated)) is not None:
+            near = any(abs(own_share / other - 1.0) < NEAR_FALL for other in shares)
+            shares += [] if near else [own_share]
         flights = _linked(arcs, looks, fall, stated)
         if flights is None:
             continue
         frames, alike = agreeing(flights[1], looks, fall)
         clear = frames >= CLEAR_FRAMES and alike > 1
-        if (share == 1.0 or clear) and (best is None or frames > MUCH_MORE * most):
+        as_said = frames if share == 1.0 else as_said
+        # A larger fall follows a ball over lower bounces: that in which flights bend is right.
+        enough = MUCH_MORE * most if share in FALLS else max(most, MUCH_MORE * as_said)
+        if (share == 1.0 or clear) and (best is None or frames > enough):
             best, own, most = flights, arcs, frames
-    if best is not None and best[2][0] != stated[0] and as_stated(best[1], looks, stated):
-        # A larger fall follows a ball over lower bounces, though it bends as stated.
+    if best is not None and _over_bounces(best, looks, stated):
         best = _linked(own, looks, stated, stated) or best
     return best
+
+
+def _over_bounces(flights: Flights, looks: Looks, stated: Floats) -> bool:
+    """Return whether flights bend as stated, and not by the fall with which they were found.
+
+    A larger fall follows a ball over lower bounces.
+    """
+    _, chain, fall = flights
+    if fall[0] == stated[0] or not as_stated(chain, looks, stated):
+        return False
+    bent = bend_of(chain.arcs, looks, fall)
+    return bent is None or abs(bent[0] - 1.0) > NEAR_FALL
+
+
+def _of_longest(arcs: Sequence[Arc], looks: Looks, stated: Floats) -> float | None:
+    """Return the bend of the longest arc as a share of the stated fall, if it is well known."""
+    if not arcs:
+        return None
+    bent = bend_of([max(arcs, key=lambda arc: len(arc.frames))], looks, stated)
+    return None if bent is None or not bent[1] < NEAR_FALL * bent[0] else bent[0]
 
 
 def _linked(arcs: Sequence[Arc], looks: Looks, fall: Floats, stated: Floats) -> Flights | None:

@@ -256,6 +256,15 @@ def test_a_film_that_stands_upside_down_is_told_though_something_falls_upright_i
     assert is_true(shot["impacts"][0], 0.8)
 
 
+@pytest.mark.long
+def test_bounces_are_found_by_a_camera_to_which_they_are_a_bend_of_a_pixel_a_frame(
+    tmp_path: Path, capsys: Capsys
+) -> None:
+    shown = [picture(row) for row in bouncing(800, per_frame=4)]
+    shot = analysed(shown, tmp_path, capsys, rate=4 * round(RATE))
+    assert [is_true(impact, 0.8) for impact in shot["impacts"]] == [True, True]
+
+
 @pytest.mark.parametrize(
     ("rate", "diameter", "unit", "right"),
     [

@@ -7,8 +7,9 @@ arc.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,11 @@ LEAST_FRAMES = 4
 TOLERANCE_RADII, TOLERANCE_PX = 0.35, 1.0
 MOST_MOVED = 0.5
 """Scatter about one place over that about a fall, of places that rest."""
+REMEMBERED_RADII, MOST_REMEMBERED = 0.5, 200
+"""An arc is continued from the time in which a ball falls a quarter of its radius from rest, and
+from so many sightings at most."""
+OVER_BOUNCE = 6
+"""One of so many of these sightings may lie on the other side of a bounce."""
 MOST_SEED_RADII = 14.0
 """A ball moves by no more of its radii from one frame to the next."""
 
@@ -110,6 +116,17 @@ def find_arcs(seen: Sightings, radius_px: float, fall: Floats) -> list[Arc]:
     return sorted(arcs, key=lambda arc: float(arc.times_s[0]))
 
 
+def _remembered(times_s: Floats, radius_px: float, fall: Floats) -> int:
+    """Return from how many sightings an arc is continued: as many as last for a part of a fall.
+
+    A camera that is fast for the ball sees a bounce as a bend of a pixel a frame, which a course
+    through few sightings would follow.
+    """
+    lasts_s = math.sqrt(REMEMBERED_RADII * radius_px / max(1e-9, abs(float(fall[0]))))
+    frames = math.ceil(lasts_s / float(np.median(np.diff(times_s))))
+    return min(MOST_REMEMBERED, max(MEMORY, frames))
+
+
 class _Search:
     def __init__(
         self, seen: Sightings, radius_px: float, fall: Floats, free: list[NDArray[np.bool_]]
@@ -126,6 +143,7 @@ class _Search:
                 TOLERANCE_RADII * radius_px + TOLERANCE_PX,
                 MOST_SEED_RADII * radius_px,
                 *map(float, seen.shape),
+                float(_remembered(seen.times_s, radius_px, fall)),
                 *fall.tolist(),
             ]
         )
@@ -182,8 +200,8 @@ def chains(arcs: Sequence[Arc], radius_px: float, fall: Floats) -> list[Chain]:
     rest, found = list(arcs), []
     while rest:
         best = _strongest(rest, radius_px, fall)
-        found.append(best)
         rest = [arc for arc in rest if all(arc is not other for other in best.arcs)]
+        found.append(_parted(best, radius_px, fall))
     return sorted(found, key=lambda chain: -chain.strength)
 
 
@@ -212,13 +230,55 @@ def _strongest(arcs: list[Arc], radius_px: float, fall: Floats) -> Chain:
     )
 
 
+def _parted(chain: Chain, radius_px: float, fall: Floats) -> Chain:
+    """Return a chain whose arcs have the sightings on their own side of each bounce.
+
+    Where a camera is fast for the ball its arcs go on over a bounce for some frames.
+    """
+    arcs = list(chain.arcs)
+    for k, time in enumerate(chain.times_s.tolist()):
+        a, b = arcs[k : k + 2]
+        if not _clear_of_bounces(a.times_s, radius_px, fall)[1]:
+            continue
+        own, under = (
+            int(np.count_nonzero(a.times_s < time)),
+            int(np.count_nonzero(b.times_s < time)),
+        )
+        if LEAST_FRAMES <= own < len(a.frames):
+            arcs[k : k + 2] = a.part(0, own), _one_arc(a.part(own, len(a.frames)), b)
+        elif 0 < under <= len(b.frames) - LEAST_FRAMES:
+            arcs[k : k + 2] = _one_arc(a, b.part(0, under)), b.part(under, len(b.frames))
+    return replace(chain, arcs=tuple(arcs))
+
+
+def _one_arc(a: Arc, b: Arc) -> Arc:
+    return Arc(
+        np.concatenate([a.frames, b.frames]),
+        np.concatenate([a.times_s, b.times_s]),
+        np.concatenate([a.places, b.places]),
+        a.strength + b.strength,
+    )
+
+
+def _clear_of_bounces(times_s: Floats, radius_px: float, fall: Floats) -> tuple[int, int]:
+    """Return how many sightings next to a bounce give a course, and how many are left out.
+
+    An arc goes on over a bounce until it lies a tolerance off.
+    """
+    remembered = _remembered(times_s, radius_px, fall)
+    over = remembered // OVER_BOUNCE if remembered > MEMORY else 0
+    return min(remembered + over, len(times_s)), min(over, max(0, len(times_s) - LEAST_FRAMES))
+
+
 def _meeting(a: Arc, b: Arc, radius_px: float, fall: Floats) -> tuple[float, Floats] | None:
     """Return when and where two courses meet in a bounce; None where they do not."""
     step = float(np.median(np.diff(a.times_s)))
     if b.frames[0] <= a.frames[-1] - LEAST_FRAMES:
         return None
-    at, place_a, velocity_a = a.course(fall, end=True)
-    bt, place_b, velocity_b = b.course(fall, end=False)
+    last, over = _clear_of_bounces(a.times_s, radius_px, fall)
+    first, under = _clear_of_bounces(b.times_s, radius_px, fall)
+    at, place_a, velocity_a = a.course_of(slice(-last, -over or None), fall)
+    bt, place_b, velocity_b = b.course_of(slice(under, first), fall)
     # Both at the time zero of the first: with the same fall their distance is linear in time.
     gone = at - bt
     place_b = place_b + velocity_b * gone + 0.5 * fall * gone**2
@@ -230,7 +290,7 @@ def _meeting(a: Arc, b: Arc, radius_px: float, fall: Floats) -> tuple[float, Flo
     shift = -float((place_b - place_a) @ jump) / size
     apart = place_b - place_a + jump * shift
     time = at + shift
-    margin = (MOST_MISSES + 1.5) * step
+    margin = (MOST_MISSES + 1.5 + max(over, under)) * step
     if not a.times_s[-1] - margin <= time <= b.times_s[0] + margin:
         return None
     if b.times_s[0] - a.times_s[-1] > 4 * margin:
@@ -269,13 +329,7 @@ def joined(
         if before is None:
             found.append(arc)
             continue
-        a = found[before]
-        found[before] = Arc(
-            np.concatenate([a.frames, arc.frames]),
-            np.concatenate([a.times_s, arc.times_s]),
-            np.concatenate([a.places, arc.places]),
-            a.strength + arc.strength,
-        )
+        found[before] = _one_arc(found[before], arc)
     return sorted(found, key=lambda arc: float(arc.times_s[0]))
 
 

@@ -12,8 +12,9 @@ from analysis.compiled import compiled, part
 LEAST_SEED = 3
 MOST_MISSES = 3
 MEMORY = 14
-"""An arc is continued from its last so many sightings: its course bends a little by drag."""
-TOLERANCE, FURTHEST, ROWS, COLUMNS, FALL = range(5)
+"""An arc is continued from its last so many sightings at least: its course bends a little by drag,
+and less than it does in a bounce."""
+TOLERANCE, FURTHEST, ROWS, COLUMNS, REMEMBERED, FALL = range(6)
 
 
 @compiled
@@ -81,7 +82,7 @@ def _extend(seen: _Seen, taken: NDArray[np.intp], count: int, way: int) -> int:
     misses = 0
     frame = taken[count - 1, 0] + way
     while 0 <= frame < frames and misses < MOST_MISSES:
-        known = taken[max(0, count - MEMORY) : count]
+        known = taken[max(0, count - int(rules[REMEMBERED])) : count]
         row, column = _expected(times, places, rules[FALL:], known, times[frame])
         nearest, best = -1, rules[TOLERANCE]
         for index in range(most):
@@ -119,7 +120,8 @@ def grow(
         Which of these may be taken, shape (frames, most).
     rules
         How far from its course a sighting may lie, and the second seed from the first, px; rows and
-        columns of the picture; free fall (row, column), px/s^2. Shape (6,).
+        columns of the picture; from how many sightings it is continued; free fall (row, column),
+        px/s^2. Shape (7,).
     taken
         Frame and index of both seeds, then of all sightings in order of time; (frames, 2).
 
