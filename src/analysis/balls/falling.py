@@ -113,11 +113,16 @@ def _over_bounces(flights: Flights, looks: Looks, stated: Floats) -> bool:
 
 
 def _of_longest(arcs: Sequence[Arc], looks: Looks, stated: Floats) -> float | None:
-    """Return the bend of the longest arc as a share of the stated fall, if it is well known."""
+    """Return the bend of the longest arc as a share of the stated fall, if it is well known.
+
+    One far beyond the falls that are tried is another unit's or another rate's.
+    """
     if not arcs:
         return None
     bent = bend_of([max(arcs, key=lambda arc: len(arc.frames))], looks, stated)
-    return None if bent is None or not bent[1] < NEAR_FALL * bent[0] else bent[0]
+    if bent is None or not bent[1] < NEAR_FALL * bent[0]:
+        return None
+    return bent[0] if min(FALLS) < bent[0] < max(FALLS) else None
 
 
 def _linked(arcs: Sequence[Arc], looks: Looks, fall: Floats, stated: Floats) -> Flights | None:
