@@ -13,9 +13,10 @@ from analysis.setup import Setup
 DRAG_COEFFICIENT, DRAG_SIGMA = 0.47, 0.05
 """Of a smooth sphere at Reynolds numbers of 10^3 to 2 10^5 (Clift, Grace and Weber, 1978)."""
 AIR_DENSITY = 1.2
-UNKNOWN_DENSITY, UNKNOWN_SPREAD = 400.0, 1.3
-"""kg/m^3 of a tennis ball, and the spread of the logarithm: about one spread away lie balls full of
-air (table tennis, football, basketball: 75 to 85) and solid ones of rubber or plastic (1100)."""
+UNKNOWN_DENSITY, UNKNOWN_SPREAD = 400.0, 1.0
+"""kg/m^3 of a tennis ball, and the spread of the logarithm: one spread above lie solid balls of
+rubber or plastic (1100), one and a half below those full of air (table tennis, football: 75 to 85).
+With a wider one the drag of slow films runs away."""
 DIAMETER_RIM_SIGMA = 0.01
 """Relative: what shading and codecs do to a rim."""
 LEVEL_SIGMA, ROLL_SIGMA = 0.01, 0.05

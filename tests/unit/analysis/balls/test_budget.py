@@ -64,11 +64,11 @@ def test_an_unknown_mass_may_be_that_of_a_ball_full_of_air_and_of_a_solid_one(
 ) -> None:
     drag, spread = Ball(0.04).drag_per_m()
     own, _ = Ball(0.04, density=density).drag_per_m()
-    assert abs(math.log(own / drag)) < 1.3 * spread
+    assert abs(math.log(own / drag)) < 1.7 * spread
 
 
 def test_the_drag_of_an_unknown_mass_may_be_larger_by_more_than_it_may_be_smaller() -> None:
     flights = fitted(0.0, Ball(0.04), noise=1.0)
     upward = math.sqrt(flights.covariance[path.DRAG, path.DRAG])
-    # Places that scatter so leave the logarithm as open as it was: a factor of e^1.3 and more.
-    assert upward == pytest.approx(math.expm1(1.3), rel=0.15)
+    # Places that scatter so leave the logarithm as open as it was: a factor of e.
+    assert upward == pytest.approx(math.expm1(1.0), rel=0.15)
