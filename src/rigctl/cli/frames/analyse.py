@@ -128,7 +128,10 @@ Done = tuple[ShotJob, Shot, int]
 
 def analyse(
     paths: Annotated[
-        list[Path], typer.Argument(help="Campaign folders, or frames: TIFF, NPY, AVI, PNG folder.")
+        list[Path],
+        typer.Argument(
+            help="Campaign folders, or films: MP4, MOV, AVI, CINE, TIFF, NPY, PNG folder."
+        ),
     ],
     *,
     method: MeasuredBy = "photometric",
