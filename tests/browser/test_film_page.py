@@ -28,6 +28,8 @@ def test_a_shot_waits_for_the_word_and_takes_the_film_that_is_dropped(
     film(tmp_path / "short.mp4", frames=100)
     page.get_by_test_id("arm").click()
     page.get_by_test_id("fire").click()
+    # The panel is drawn anew as the rig fires: a press on what it replaces is lost.
+    expect(page.get_by_test_id("state")).to_contain_text("firing")
     page.get_by_test_id("film").click()
     waits, read = page.get_by_test_id("film-waits"), page.get_by_test_id("film-read")
     expect(waits).to_contain_text("A shot waits for the camera")
