@@ -105,7 +105,7 @@ def outside(measured: MeasuredBall) -> Iterator[str]:
         down, across = abs(end[0] - start[0]), abs(end[1] - start[1])
         radius = measured.looks.radius_px
         moves = across > max(2 * down, 0.5 * radius)
-        stays = max(down, across) < STAYS_RADII * radius
+        stays = max(down, across, 0.5 * np.ptp(own[:, 1])) < STAYS_RADII * radius
         does = "rolls or is carried" if moves else "is held or rests" if stays else "moves"
         if len(chain.places) and (np.abs(own[:, 1] - chain.places[-1, 0]) < radius).all():
             does = "rolls along the plate" if moves else "rests on the plate"

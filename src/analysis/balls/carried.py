@@ -23,6 +23,10 @@ NEAR_RADII = 1.0
 """By how much more a ball may have moved than its neighbours in time say."""
 
 
+LEAST_MM, MOST_MM = 0.1, 2000.0
+"""Diameters of balls that may be stated."""
+
+
 class NotFlyingError(ShotRefusedError, ABC):
     """A film whose ball is seen and does not fly freely.
 
@@ -87,13 +91,16 @@ class OtherFallError(CarriedError):
         frame, row, column = fall.first
         last, down, across = fall.last
         slow = fall.share < 1.0
+        size = millimetres / fall.share
+        or_size = f", or the diameter, about {_short(size)} mm (--ball-diameter-mm)"
+        if not LEAST_MM <= size <= MOST_MM:
+            or_size = ""
         why = "a film in slow motion has the player's, " if slow else ""
         super().__init__(
             f"the ball falls {_short(fall.share)} times as fast as one of {_short(millimetres)} mm "
             f"does at {_short(rate)} frames/s, from frame {frame} at ({row:.0f}, {column:.0f}) px "
             f"to frame {last} at ({down:.0f}, {across:.0f}) px: state the camera's rate, {why}"
-            f"of about {_short(rate * fall.share**-0.5)} frames/s (--fps), or the diameter, about "
-            f"{_short(millimetres / fall.share)} mm (--ball-diameter-mm)",
+            f"of about {_short(rate * fall.share**-0.5)} frames/s (--fps){or_size}",
             looks,
             seen,
         )

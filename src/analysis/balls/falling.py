@@ -16,7 +16,15 @@ from analysis.arrays import Floats
 from analysis.balls.found import CLEAR_FRAMES, MUCH_MORE, stated_first
 from analysis.balls.gaps import Gap, mended
 from analysis.balls.seen.arcs import Arc, Chain, Sightings, chains, find_arcs, joined
-from analysis.balls.seen.free_fall import agreeing, as_stated, bend_of, falls, flown, flying
+from analysis.balls.seen.free_fall import (
+    FALL_SHARE,
+    agreeing,
+    as_stated,
+    bend_of,
+    falls,
+    flown,
+    flying,
+)
 from analysis.balls.seen.jumps import jumps
 from analysis.balls.seen.looks import Looks
 
@@ -24,7 +32,7 @@ FALLS = (1.0, 0.7, 1.4, 0.5, 2.0)
 """Of the fall that follows from the stated diameter: those that are tried."""
 NEAR_FALL, MOST_FALLS = 0.05, 8
 """Falls that differ by so little are one; and how many are tried."""
-OTHER_FALLS = tuple(2.0**k for k in (*range(-2, -13, -1), *range(2, 6)))
+OTHER_FALLS = tuple(2.0**k for k in (*range(-2, -13, -1), *range(2, 9)))
 """Of that fall, what a diameter in another unit and a film in slow motion make of it: 1000 frames/s
 that are shown at 25 fall 1600 times as slowly. Each is found from half of it to twice."""
 MOST_UNSURE = 0.1
@@ -41,7 +49,9 @@ def without_jumps(
 ) -> tuple[Sightings, tuple[Gap, ...], Flights | None]:
     """Return sightings with times by which most of them are flights, gaps of these, and flights."""
     fall = stated if flights is None else flights[2]
-    gaps = tuple(jumps(seen, find_arcs(seen, looks.radius_px, fall), looks.radius_px, fall))
+    parted = chains(find_arcs(seen, looks.radius_px, fall), looks.radius_px, fall)
+    arcs = sorted((arc for one in parted for arc in one.arcs), key=lambda arc: arc.times_s[0])
+    gaps = tuple(jumps(seen, arcs, looks.radius_px, fall))
     while gaps:
         later = replace(seen, times_s=mended(seen.times_s, gaps))
         again = flights_of(later, looks, stated)
@@ -179,6 +189,9 @@ def other_fall(
         frames, alike = agreeing(other[1], looks, fall)
         bent = bend_of(other[1].arcs, looks, fall)
         if frames < max(CLEAR_FRAMES, least, MUCH_MORE * most) or alike < 2 or bent is None:
+            continue
+        if FALL_SHARE[0] < share * bent[0] < FALL_SHARE[1]:
+            # A larger fall follows a ball that falls as stated over low bounces.
             continue
         if bent[1] < MOST_UNSURE * bent[0] and (best is None or frames > best.frames):
             ends = [

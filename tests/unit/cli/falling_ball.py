@@ -86,8 +86,10 @@ def bouncing(count: int = 100, e: float = 0.8, per_frame: int = 1) -> list[float
     for t in np.arange(count) / (per_frame * RATE):
         while t > contact:
             speed = e * (FALL * (contact - begun) - speed if begun else FALL * contact)
-            begun, contact = contact, contact + 2 * speed / FALL
-        down = top + 0.5 * FALL * t**2 if begun == 0.0 else None
+            # What bounces by less than a fiftieth of a pixel rests.
+            lasts = 2 * speed / FALL if speed > 10.0 else np.inf
+            begun, contact = contact, contact + lasts
+        down = top + 0.5 * FALL * t**2 if begun == 0.0 else plate if contact == np.inf else None
         gone = t - begun
         rows.append(plate - speed * gone + 0.5 * FALL * gone**2 if down is None else down)
     return rows

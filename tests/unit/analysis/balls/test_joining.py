@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
+from analysis.balls.falling import flights_of, other_fall, without_jumps
 from analysis.balls.seen.arcs import Arc, Chain, Sightings, find_arcs, joined
 from analysis.balls.seen.free_fall import falls, flown
 from analysis.balls.seen.looks import Looks
+from tests.unit.cli.falling_ball import bouncing
 
 Floats = NDArray[np.float64]
 
@@ -97,3 +100,47 @@ def test_what_trembles_on_its_place_does_not_fall_though_it_bends_as_falls_do() 
     # As high a bow of a ball that has fallen from far above is one of its bounces.
     high = arc(0, fallen(0.0, np.arange(30.0)))
     assert falls(Chain((high, arc(30, bow)), np.array([0.15]), np.zeros((1, 2))), looks, fall)
+
+
+BALL = Looks(RADIUS, 0.3, np.ones(1), np.ones(1), ())
+
+
+def seen_bouncing(count: int, e: float = 0.8, per_frame: int = 1) -> Sightings:
+    """A ball that is seen in each frame to a tenth of a pixel, and goes on to rest."""
+    rows = np.array(bouncing(count, e, per_frame))
+    noise = 0.1 * np.random.default_rng(1).standard_normal((count, 2))
+    places = np.column_stack([rows + noise[:, 0], 60.0 + noise[:, 1], np.ones(count)])
+    return Sightings(np.arange(count) / (per_frame * RATE), list(places[:, None]), SHAPE)
+
+
+@pytest.mark.parametrize("per_frame", [4, 10, 15])
+def test_a_camera_that_is_fast_for_the_ball_sees_its_bounce_and_lacks_no_frame(
+    per_frame: int,
+) -> None:
+    seen = seen_bouncing(100 * per_frame, per_frame=per_frame)
+    flights = flights_of(seen, BALL, FALL)
+    _, gaps, found = without_jumps(seen, BALL, FALL, flights)
+    assert gaps == ()
+    assert found is not None
+    (time,) = found[1].times_s
+    # By sightings, of which some lie on the other side of the bounce.
+    assert time == pytest.approx((320.0 / FALL[0]) ** 0.5, abs=0.01)
+
+
+@pytest.mark.parametrize("share", [1 / 64, 0.1, 10.0, 100.0])
+def test_a_fall_that_a_rate_or_a_unit_makes_far_too_large_or_too_small_is_found(
+    share: float,
+) -> None:
+    seen = seen_bouncing(150)
+    stated = FALL / share
+    other = other_fall(seen, BALL, stated, flights_of(seen, BALL, stated))
+    assert other is not None
+    assert other.share == pytest.approx(share, rel=0.02)
+
+
+@pytest.mark.parametrize(("e", "per_frame"), [(0.3, 4), (0.8, 1)])
+def test_a_ball_that_falls_as_stated_falls_no_other_way_though_it_comes_to_rest(
+    e: float, per_frame: int
+) -> None:
+    seen = seen_bouncing(140 * per_frame, e, per_frame)
+    assert other_fall(seen, BALL, FALL, flights_of(seen, BALL, FALL)) is None
