@@ -240,6 +240,9 @@ def _enlarged(scaled: Floats, arcs: Ints, used: NDArray[np.bool_], numbers: int)
     count = len(chosen)
     freedom = max(1.0, count - 0.5 * numbers)
     size = np.sqrt((chosen**2).sum(axis=0) / freedom)
+    if count <= 0.5 * numbers or not size.all():
+        # Numbers that follow every place leave no scatter to go by.
+        size = np.maximum(size, 1.0)
     same = arcs[used][1:] == arcs[used][:-1]
     alike = np.zeros(2)
     if same.sum() > 8:
