@@ -91,7 +91,7 @@ def flights_of(seen: Sightings, looks: Looks, stated: Floats) -> Flights | None:
     shares = list(FALLS)
     for share in shares:
         fall = share * stated
-        arcs = joined(find_arcs(seen, looks.radius_px, fall), looks.radius_px, fall, seen.shape)
+        arcs = _arcs(seen, looks, fall)
         if len(shares) < MOST_FALLS and (own_share := _of_longest(arcs, looks, stated)) is not None:
             near = any(abs(own_share / other - 1.0) < NEAR_FALL for other in shares)
             shares += [] if near else [own_share]
@@ -108,6 +108,11 @@ def flights_of(seen: Sightings, looks: Looks, stated: Floats) -> Flights | None:
     if best is not None and _over_bounces(best, looks, stated):
         best = _linked(own, looks, stated, stated) or best
     return best
+
+
+def _arcs(seen: Sightings, looks: Looks, fall: Floats) -> list[Arc]:
+    """Return pieces of free flight, those of one flight put together."""
+    return joined(find_arcs(seen, looks.radius_px, fall), looks.radius_px, fall, seen.shape)
 
 
 def _over_bounces(flights: Flights, looks: Looks, stated: Floats) -> bool:
@@ -178,17 +183,19 @@ def other_fall(
     """
     seen = replace(seen, places=[places[:1] for places in seen.places])
     most = 0 if flights is None else agreeing(flights[1], looks, flights[2])[0]
-    least = LEAST_OF_SEEN * sum(len(places) > 0 for places in seen.places)
+    in_all = sum(len(places) > 0 for places in seen.places)
+    least = max(CLEAR_FRAMES, LEAST_OF_SEEN * in_all, MUCH_MORE * most)
+    if least > in_all:
+        return None
     best: OtherFall | None = None
     for share in OTHER_FALLS:
         fall = share * stated
-        arcs = joined(find_arcs(seen, looks.radius_px, fall), looks.radius_px, fall, seen.shape)
-        other = _linked(arcs, looks, fall, stated)
+        other = _linked(_arcs(seen, looks, fall), looks, fall, stated)
         if other is None:
             continue
         frames, alike = agreeing(other[1], looks, fall)
         bent = bend_of(other[1].arcs, looks, fall)
-        if frames < max(CLEAR_FRAMES, least, MUCH_MORE * most) or alike < 2 or bent is None:
+        if frames < least or alike < 2 or bent is None:
             continue
         if FALL_SHARE[0] < share * bent[0] < FALL_SHARE[1]:
             # A larger fall follows a ball that falls as stated over low bounces.
