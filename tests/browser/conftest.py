@@ -11,7 +11,7 @@ from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
-from playwright.sync_api import Browser, Page, Request, expect, sync_playwright
+from playwright.sync_api import Browser, Locator, Page, Request, expect, sync_playwright
 from playwright.sync_api import TimeoutError as NothingHappenedError
 
 from benchmarks.page_served import CHROMIUM, KEY, SWITCHES, started
@@ -161,9 +161,21 @@ def page(tab: Page, served: Served) -> Iterator[Page]:
 def fire(page: Page) -> None:
     """Fire a plain shot; the form begins with what the rig was set to by whoever used it before."""
     for field, value in PLAIN.items():
-        page.get_by_test_id(field).fill(value)
+        type_in(page.get_by_test_id(field), value)
     page.get_by_test_id("arm").click()
     page.get_by_test_id("fire").click()
+
+
+def type_in(field: Locator, text: str) -> None:
+    """Fill a field until it shows the text, as a person looks at what came of the keys.
+
+    Keys may be lost as a press is: they go to what has the focus, which a busy host may take away.
+    """
+    field.fill(text)
+    try:
+        expect(field).to_have_value(text, timeout=0.1 * EXPECT_MS)
+    except AssertionError:
+        field.fill(text)
 
 
 def answer(page: Page, testid: str) -> None:

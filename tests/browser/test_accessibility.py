@@ -8,7 +8,7 @@ from urllib.parse import quote
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import FIRST_USE_MS, Served, fire
+from tests.browser.conftest import FIRST_USE_MS, Served, fire, type_in
 from tests.browser.test_model_page import LONG_MS, known_challenge
 
 LOOKS = ((320, "dark"), (768, "light"), (1280, "dark"), (1920, "light"))
@@ -103,7 +103,7 @@ BROKEN = """() => {
 def test_axe_finds_nothing_nothing_scrolls_sideways_and_focus_is_seen_on_any_screen(
     page: Page, served: Served
 ) -> None:
-    page.get_by_test_id("campaign").fill("seen")
+    type_in(page.get_by_test_id("campaign"), "seen")
     fire(page)
     page.get_by_test_id("film").wait_for(timeout=LONG_MS)
     page.get_by_test_id("coefficients").wait_for(timeout=FIRST_USE_MS)
@@ -155,7 +155,7 @@ def sorted_by_keys_and_not_drawn_anew(page: Page) -> None:
         page.keyboard.press(key)
         expect(heading).to_have_attribute("aria-sort", order)
     drawn, link = heading.element_handle(), table.get_by_role("link").first.element_handle()
-    page.get_by_test_id("filter").fill("offset > 1000")
+    type_in(page.get_by_test_id("filter"), "offset > 1000")
     expect(table.get_by_role("link")).to_have_count(0)
     assert link is not None
     assert not link.evaluate("(part) => part.isConnected")

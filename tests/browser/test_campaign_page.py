@@ -8,7 +8,7 @@ import httpx
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import KEY, Served
+from tests.browser.conftest import KEY, Served, type_in
 
 SETTINGS = {"pressure_a_kpa": 40.0, "pressure_b_kpa": 40.0, "offset_mm": 6.0}
 CAMPAIGN = "remarked"
@@ -36,17 +36,17 @@ def test_a_note_and_tags_are_kept_seen_by_a_second_operator_and_found_in_the_lis
     for each in (page, second):
         each.goto(f"{served.url}/campaigns/{campaign}")
         each.wait_for_function("window.did_handshake")
-    page.get_by_test_id("note").fill("lamp exchanged after shot 1")
+    type_in(page.get_by_test_id("note"), "lamp exchanged after shot 1")
     page.get_by_test_id("note").press("Enter")
     expect(second.get_by_test_id("note")).to_have_value("lamp exchanged after shot 1")
-    second.get_by_test_id("tags").fill("dry")
+    type_in(second.get_by_test_id("tags"), "dry")
     second.get_by_test_id("tags").press("Enter")
     expect(page.get_by_test_id("remarks")).to_contain_text("dry")
     second.close()
     page.goto(f"{served.url}/campaigns")
-    page.get_by_test_id("filter").fill("dry")
+    type_in(page.get_by_test_id("filter"), "dry")
     expect(page.get_by_test_id("campaigns").get_by_role("cell", name=campaign)).to_be_visible()
-    page.get_by_test_id("filter").fill("wet")
+    type_in(page.get_by_test_id("filter"), "wet")
     expect(page.get_by_test_id("campaigns").get_by_role("cell", name=campaign)).to_be_hidden()
 
 
@@ -55,7 +55,7 @@ def test_a_note_that_is_too_long_is_refused_in_words_and_not_kept(
 ) -> None:
     page.goto(f"{served.url}/campaigns/{campaign}")
     page.wait_for_function("window.did_handshake")
-    page.get_by_test_id("note").fill("n" * 3000)
+    type_in(page.get_by_test_id("note"), "n" * 3000)
     page.get_by_test_id("note").press("Enter")
     expect(page.get_by_test_id("remarks").get_by_role("alert")).to_contain_text("500")
     page.reload()

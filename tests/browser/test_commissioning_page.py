@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from playwright.sync_api import Page, expect
 
+from tests.browser.conftest import type_in
+
 
 def test_a_step_is_done_by_the_daemon_and_seen_by_people_that_are_named(page: Page) -> None:
     # A shot of another test may not have ended yet.
@@ -14,7 +16,7 @@ def test_a_step_is_done_by_the_daemon_and_seen_by_people_that_are_named(page: Pa
     expect(step).to_contain_text("never seen")
     page.get_by_test_id("seen").click()
     expect(page.get_by_text("people: is empty")).to_be_visible()
-    page.get_by_test_id("people").fill("Anna Berg, Bo Lind")
+    type_in(page.get_by_test_id("people"), "Anna Berg, Bo Lind")
     page.get_by_test_id("seen").click()
     expect(page.get_by_text("has not been done")).to_be_visible()
     page.get_by_test_id("act").click()
@@ -26,10 +28,10 @@ def test_a_step_is_done_by_the_daemon_and_seen_by_people_that_are_named(page: Pa
 
 def test_what_is_not_as_it_must_be_is_kept_and_asked_for_again(page: Page) -> None:
     page.get_by_role("link", name="Commissioning").click()
-    page.get_by_test_id("people").fill("Anna Berg")
+    type_in(page.get_by_test_id("people"), "Anna Berg")
     name = page.get_by_test_id("step").inner_text().partition("(")[2].partition(")")[0]
     page.get_by_test_id("not-seen").click()
-    page.get_by_test_id("reason").fill("the lamp stays on")
+    type_in(page.get_by_test_id("reason"), "the lamp stays on")
     page.get_by_test_id("keep-now").click()
     expect(page.get_by_test_id("step")).to_contain_text("the lamp stays on")
     expect(page.get_by_test_id("step")).to_contain_text(f"({name})")

@@ -9,7 +9,7 @@ from urllib.parse import urlsplit
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import FIRST_USE_MS, Served
+from tests.browser.conftest import FIRST_USE_MS, Served, type_in
 
 
 @pytest.fixture(scope="module")
@@ -25,13 +25,13 @@ def test_a_newcomer_is_led_from_an_empty_store_to_thirty_shots(page: Page, serve
     expect(says).to_contain_text("press Arm, then Fire")
     expect(page.get_by_text("No shot has been fired yet")).to_be_visible()
     drawing = page.get_by_test_id("rig-drawing").locator(".wide-drawing .angle")
-    page.get_by_test_id("offset_mm").fill("12.7")
+    type_in(page.get_by_test_id("offset_mm"), "12.7")
     # Half of a diameter of 25.4 mm: the line of centres is turned by asin(1/2).
     expect(drawing).to_have_text("12.7 mm: 30° off head-on")
     # The slider beside it writes into the number: asin(10 / 25.4) is 23.2 degrees.
-    page.get_by_test_id("offset_mm-slider").fill("10")
+    type_in(page.get_by_test_id("offset_mm-slider"), "10")
     expect(drawing).to_have_text("10 mm: 23° off head-on")
-    page.get_by_test_id("offset_mm").fill("6")
+    type_in(page.get_by_test_id("offset_mm"), "6")
     expect(page.get_by_test_id("offset_mm-slider")).to_have_value("6")
     page.get_by_test_id("arm").click()
     expect(page.get_by_test_id("arming")).to_have_text(re.compile("Armed for 40 and 40 kPa"))

@@ -7,7 +7,7 @@ import re
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import Served
+from tests.browser.conftest import Served, type_in
 from tests.browser.test_accessibility import faults
 from tests.browser.test_model_page import LONG_MS
 
@@ -34,10 +34,10 @@ def test_a_level_is_made_played_with_a_hint_and_scored(page: Page, served: Serve
     page.get_by_test_id("new-challenge").click()
     page.get_by_test_id("story-compare").wait_for(timeout=LONG_MS)
     expect(page.get_by_test_id("game")).to_have_text("Level 1: One plain effect. 24 shots.")
-    page.get_by_test_id("answer").fill("none")
+    type_in(page.get_by_test_id("answer"), "none")
     # The level says that something is hidden.
     expect(page.get_by_role("option", name="Nothing (none)", exact=True)).to_have_count(0)
-    page.get_by_test_id("answer").fill("pressure-leak")
+    type_in(page.get_by_test_id("answer"), "pressure-leak")
     page.get_by_role(
         "option", name="Pressure leaks while waiting (pressure-leak)", exact=True
     ).click()

@@ -76,7 +76,8 @@ def test_a_plot_that_is_hidden_while_its_panel_changes_throws_nothing(
     page.goto(f"{served.url}/sweeps")
     plot = page.get_by_test_id("preview").locator(".js-plotly-plot")
     plot.locator(".main-svg").first.wait_for()
-    plot.evaluate("plot => { plot.style.display = 'none'; }")
+    # The plot's own style is the page library's: it writes it anew with each change of the page.
+    sheet = page.add_style_tag(content=".js-plotly-plot { display: none !important; }")
     refused = page.evaluate(
         """async () => {
           const { Plotly } = await import("nicegui-plotly");
@@ -86,7 +87,8 @@ def test_a_plot_that_is_hidden_while_its_panel_changes_throws_nothing(
         }"""
     )
     assert refused == ""
-    plot.evaluate("plot => { plot.style.display = ''; plot.style.width = '400px'; }")
+    narrow = ".js-plotly-plot { width: 400px !important; }"
+    sheet.evaluate("(sheet, rules) => { sheet.textContent = rules; }", narrow)
     expect(plot.locator(".main-svg").first).to_have_attribute("width", "400")
     assert thrown == []
 

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import FIRST_USE_MS, KEY, abort_sweep
+from tests.browser.conftest import FIRST_USE_MS, KEY, abort_sweep, type_in
 from tests.invoked import rigctl
 
 pytestmark = pytest.mark.long
@@ -60,7 +60,7 @@ def choose(page: Page, place: int, effect: str) -> None:
     """Choose one of the two effects that the shots are to tell apart."""
     field = page.get_by_test_id(f"tell-{place}")
     field.click()
-    field.fill(effect)
+    type_in(field, effect)
     page.get_by_role("option", name=effect, exact=True).click()
     expect(field).to_have_value(effect)
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import FIRST_USE_MS, Served
+from tests.browser.conftest import FIRST_USE_MS, Served, type_in
 from tests.browser.test_accessibility import faults
 
 BOUNCE = 0.8
@@ -52,7 +52,7 @@ def test_a_film_is_dropped_measured_and_handed_back(page: Page, served: Served) 
         "130 frames of 160 × 360 pixels; 100 frames a second", timeout=FIRST_USE_MS
     )
     expect(page.get_by_test_id("own-measure")).to_be_disabled()
-    page.get_by_test_id("ball-diameter-mm").fill(str(BALL_MM))
+    type_in(page.get_by_test_id("ball-diameter-mm"), str(BALL_MM))
     page.get_by_test_id("own-measure").click()
     bounces = page.get_by_test_id("own-bounces").locator("tbody tr")
     expect(bounces).to_have_count(2, timeout=FIRST_USE_MS)
@@ -100,7 +100,7 @@ def test_part_ring_and_line_are_dragged_and_moved_by_keys(page: Page, served: Se
     expect(lower).to_have_attribute("aria-valuetext", "row 349")
     page.get_by_test_id("draw-line").click()
     # The line begins over half of the picture's width, 80 px.
-    page.get_by_test_id("line-mm").fill(str(80 * BALL_MM / 36))
+    type_in(page.get_by_test_id("line-mm"), str(80 * BALL_MM / 36))
     page.keyboard.press("Tab")
     by_line = page.get_by_test_id("by-line")
     expect(by_line).to_contain_text("By the line the ball is")
@@ -249,16 +249,16 @@ def test_pictures_without_a_frame_rate_are_measured_once_it_is_stated(
     )
     # What no ball is across is said at the field, and nothing is put in its place.
     diameter = page.get_by_test_id("ball-diameter-mm")
-    diameter.fill("-40")
+    type_in(diameter, "-40")
     diameter.blur()
     expect(page.get_by_text("0.1 to 2000 mm is allowed")).to_be_visible()
     expect(diameter).to_have_value("-40")
     expect(page.get_by_test_id("own-measure")).to_be_disabled()
-    diameter.fill("40")
+    type_in(diameter, "40")
     expect(page.get_by_text("0.1 to 2000 mm is allowed")).to_have_count(0)
     expect(page.get_by_test_id("no-rate")).to_be_visible()
     expect(page.get_by_test_id("own-measure")).to_be_disabled()
-    page.get_by_test_id("fps").fill("100")
+    type_in(page.get_by_test_id("fps"), "100")
     expect(page.get_by_test_id("own-measure")).to_be_enabled()
     expect(page.get_by_test_id("no-rate")).to_have_count(0)
 
@@ -273,7 +273,7 @@ def test_several_films_are_measured_and_one_that_is_none_is_named(
     page.goto(f"{served.url}/own")
     page.wait_for_function("window.did_handshake")
     page.locator("input[type=file]").set_input_files([broken, good])
-    page.get_by_test_id("ball-diameter-mm").fill(str(BALL_MM))
+    type_in(page.get_by_test_id("ball-diameter-mm"), str(BALL_MM))
     page.get_by_test_id("own-measure").click()
     bounces = page.get_by_test_id("own-bounces").locator("tbody tr")
     expect(bounces).to_have_count(2, timeout=FIRST_USE_MS)

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import Served, abort_sweep, answer, patient_configuration
+from tests.browser.conftest import Served, abort_sweep, answer, patient_configuration, type_in
 
 pytestmark = pytest.mark.long
 
@@ -45,7 +45,7 @@ def test_a_daemon_that_hangs_covers_the_page_until_it_answers_again(
 def test_a_browser_without_its_network_is_covered_and_goes_on_with_what_was_typed(
     page: Page, served: Any
 ) -> None:
-    page.get_by_test_id("pressure_a_kpa").fill("47")
+    type_in(page.get_by_test_id("pressure_a_kpa"), "47")
     network = page.context.new_cdp_session(page)
     cut = {"offline": True, "latency": 0, "downloadThroughput": 0, "uploadThroughput": 0}
     network.send("Network.emulateNetworkConditions", cut)
@@ -58,7 +58,7 @@ def test_a_browser_without_its_network_is_covered_and_goes_on_with_what_was_type
     page.get_by_test_id("stop").click()
     expect(page.get_by_test_id("latched")).to_be_visible()
     page.get_by_test_id("release").click()
-    page.get_by_test_id("reason").fill("a drill")
+    type_in(page.get_by_test_id("reason"), "a drill")
     answer(page, "release-now")
     expect(page.get_by_test_id("state")).to_have_text("idle")
 
@@ -74,7 +74,7 @@ def test_two_operators_see_each_other_and_only_who_armed_may_fire(page: Page, se
     expect(page.get_by_test_id("latched")).to_contain_text("stopped by the page's button")
     expect(page.get_by_test_id("fire")).to_be_hidden()
     page.get_by_test_id("release").click()
-    page.get_by_test_id("reason").fill("a drill")
+    type_in(page.get_by_test_id("reason"), "a drill")
     answer(page, "release-now")
     expect(second.get_by_test_id("state")).to_have_text("idle")
     second.close()
@@ -125,7 +125,7 @@ def released(page: Page, served: Any) -> None:
     expect(page.locator(".deaf")).to_have_count(0)
     if page.get_by_test_id("latched").is_visible():
         page.get_by_test_id("release").click()
-        page.get_by_test_id("reason").fill("a drill")
+        type_in(page.get_by_test_id("reason"), "a drill")
         answer(page, "release-now")
 
 

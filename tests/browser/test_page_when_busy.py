@@ -9,7 +9,7 @@ import httpx
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import KEY, entered
+from tests.browser.conftest import KEY, entered, type_in
 from tests.browser.wire import Wire
 
 pytestmark = pytest.mark.long
@@ -53,8 +53,8 @@ def far(tab: Page, wire: Wire) -> Iterator[Page]:
 def test_a_page_that_was_cut_off_for_a_while_goes_on_with_what_was_typed(
     far: Page, wire: Wire, rest: httpx.Client
 ) -> None:
-    far.get_by_test_id("pressure_a_kpa").fill("47")
-    far.get_by_test_id("campaign").fill("long-typed")
+    type_in(far.get_by_test_id("pressure_a_kpa"), "47")
+    type_in(far.get_by_test_id("campaign"), "long-typed")
     arm(rest)
     expect(far.get_by_test_id("state")).to_have_text("armed")
     wire.cut()

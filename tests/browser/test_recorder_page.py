@@ -6,6 +6,8 @@ import re
 
 from playwright.sync_api import Page, expect
 
+from tests.browser.conftest import type_in
+
 
 def test_a_session_is_recorded_searched_shown_and_erased_when_asked(page: Page) -> None:
     page.get_by_test_id("recorder").click()
@@ -19,25 +21,25 @@ def test_a_session_is_recorded_searched_shown_and_erased_when_asked(page: Page) 
     expect(state).to_contain_text(re.compile(r"RECORD: session 1 with [1-9]\d+ pictures"))
     page.get_by_test_id("key-stop-tape").click()
     expect(state).to_contain_text("STOP")
-    page.get_by_test_id("search-place").fill("12")
+    type_in(page.get_by_test_id("search-place"), "12")
     page.get_by_test_id("key-search").click()
     expect(state).to_contain_text("on picture 12 (0.0120 s)")
     expect(page.get_by_test_id("still").locator("img")).to_have_js_property("naturalWidth", 240)
-    page.get_by_test_id("search-place").fill("12.5")
+    type_in(page.get_by_test_id("search-place"), "12.5")
     page.get_by_test_id("key-search").click()
     expect(page.get_by_text("is no whole number")).to_be_visible()
     expect(state).to_contain_text("on picture 12")
     page.get_by_test_id("search-kind").click()
     page.get_by_role("option", name="time, s").click()
-    page.get_by_test_id("search-place").fill("0.013")
+    type_in(page.get_by_test_id("search-place"), "0.013")
     page.get_by_test_id("key-search").click()
     expect(state).to_contain_text("on picture 13 (0.0130 s)")
-    page.get_by_test_id("gamma").fill("0")
+    type_in(page.get_by_test_id("gamma"), "0")
     page.get_by_test_id("key-gamma").click()
     expect(page.get_by_text("has no such gamma")).to_be_visible()
     page.get_by_test_id("search-kind").click()
     page.get_by_role("option", name="frame").click()
-    page.get_by_test_id("search-place").fill("12")
+    type_in(page.get_by_test_id("search-place"), "12")
     page.get_by_test_id("key-search").click()
     expect(state).to_contain_text("on picture 12")
     page.get_by_test_id("key-step-back").click()

@@ -7,6 +7,7 @@ import re
 import pytest
 from playwright.sync_api import Page, expect
 
+from tests.browser.conftest import type_in
 from tests.browser.test_accessibility import faults
 
 pytestmark = pytest.mark.long
@@ -15,8 +16,8 @@ LONG_MS = 60_000
 
 
 def test_a_shot_without_a_contact_is_refused_in_words_beside_its_film(page: Page) -> None:
-    page.get_by_test_id("offset_mm").fill("24")
-    page.get_by_test_id("delay_us").fill("-20000")
+    type_in(page.get_by_test_id("offset_mm"), "24")
+    type_in(page.get_by_test_id("delay_us"), "-20000")
     page.get_by_test_id("arm").click()
     expect(page.get_by_test_id("arming")).to_contain_text("b after −20000 µs")
     page.get_by_test_id("fire").click()

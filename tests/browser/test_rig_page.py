@@ -9,7 +9,7 @@ import httpx
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import FIRST_USE_MS, KEY, Served, answer, fire
+from tests.browser.conftest import FIRST_USE_MS, KEY, Served, answer, fire, type_in
 from tests.browser.test_accessibility import faults
 
 
@@ -36,7 +36,7 @@ def test_without_the_key_nothing_of_the_page_is_shown(served: Served) -> None:
 
 
 def test_a_value_out_of_range_is_refused_with_the_range(page: Page) -> None:
-    page.get_by_test_id("pressure_a_kpa").fill("500")
+    type_in(page.get_by_test_id("pressure_a_kpa"), "500")
     expect(page.get_by_text("5 to 120 kPa is allowed")).to_be_visible()
     expect(page.get_by_test_id("arm")).to_be_disabled()
 
@@ -89,7 +89,7 @@ def test_the_stop_is_in_reach_by_button_and_key_and_is_left_with_a_reason(page: 
     assert faults(page) == []
     page.get_by_test_id("release").click()
     expect(page.get_by_test_id("release-now")).to_be_disabled()
-    page.get_by_test_id("reason").fill("looked at the tubes: empty")
+    type_in(page.get_by_test_id("reason"), "looked at the tubes: empty")
     answer(page, "release-now")
     expect(page.get_by_test_id("state")).to_have_text("idle")
     page.get_by_role("link", name="Model").click()

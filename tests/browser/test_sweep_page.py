@@ -9,7 +9,7 @@ from urllib.parse import quote
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import abort_sweep, answer
+from tests.browser.conftest import abort_sweep, answer, type_in
 from tests.browser.test_accessibility import faults, out_of_reach
 
 pytestmark = pytest.mark.long
@@ -55,7 +55,7 @@ def test_a_stop_in_the_middle_of_a_sweep_fires_nothing_more_until_a_person_says_
         page.get_by_role("alert").filter(has_text="release the rig with a reason")
     ).to_be_visible()
     page.get_by_test_id("release").click()
-    page.get_by_test_id("reason").fill("tubes looked at: empty")
+    type_in(page.get_by_test_id("reason"), "tubes looked at: empty")
     answer(page, "release-now")
     expect(page.get_by_test_id("state")).to_have_text("idle", timeout=LONG_MS)
     expect(state).to_contain_text(f"{stopped_at} of 8 shots")
@@ -67,8 +67,8 @@ def test_a_sweep_that_cannot_be_is_refused_before_anything_moves(page: Page) -> 
     page.get_by_role("link", name="Sweeps").click()
     page.get_by_test_id("preview").wait_for()
     page.wait_for_function("window.did_handshake")
-    page.get_by_test_id("repeat").fill("100")
-    page.get_by_test_id("pn").fill("50")
+    type_in(page.get_by_test_id("repeat"), "100")
+    type_in(page.get_by_test_id("pn"), "50")
     expect(page.get_by_test_id("sweep-text")).to_contain_text("a sweep holds 1 to 10000 shots")
     expect(page.get_by_test_id("start-sweep")).to_be_disabled()
 
@@ -93,13 +93,13 @@ def test_a_shot_of_a_sweep_is_excluded_with_a_reason_and_counts_again(page: Page
     expect(page.get_by_test_id("sweep-state")).to_contain_text("completed", timeout=LONG_MS)
     page.get_by_role("link", name="Campaigns").click()
     page.get_by_test_id("campaigns").get_by_role("cell", name="sweep").click()
-    page.get_by_test_id("filter").fill("analysed")
+    type_in(page.get_by_test_id("filter"), "analysed")
     row = page.get_by_test_id("shots").locator("tbody tr").first
     expect(row).to_contain_text("0.7")
     row.click()
     page.get_by_test_id("exclude").click()
     expect(page.get_by_test_id("exclude-now")).to_be_disabled()
-    page.get_by_test_id("reason").fill("the sphere was chipped")
+    type_in(page.get_by_test_id("reason"), "the sphere was chipped")
     answer(page, "exclude-now")
     expect(page.get_by_test_id("excluded")).to_contain_text("the sphere was chipped")
     page.get_by_test_id("include").click()
@@ -113,11 +113,11 @@ def started(page: Page, repeat: int, points: int = 2) -> None:
     # What is typed before the page is connected is not heard.
     page.get_by_test_id("preview").wait_for()
     page.wait_for_function("window.did_handshake")
-    page.get_by_test_id("repeat").fill(str(repeat))
+    type_in(page.get_by_test_id("repeat"), str(repeat))
     expect(page.get_by_test_id("sweep-text")).to_have_text(f"{24 * repeat} shots")
     fields = {"p0": 40, "p1": 60, "pn": points, "o0": 6, "o1": 8, "on": points}
     for field, value in fields.items():
-        page.get_by_test_id(field).fill(str(value))
+        type_in(page.get_by_test_id(field), str(value))
     for field, value in fields.items():
         expect(page.get_by_test_id(field)).to_have_value(str(value))
     expect(page.get_by_test_id("sweep-text")).to_have_text(

@@ -26,10 +26,15 @@ GREY_TOLERANCE = 2
 """Codecs that store colour bring grey back to within this many levels between channels."""
 UNEVEN = 1e-3
 """Frames whose distances in time differ by more than this share have no single rate."""
+SQUARE = 2e-3
+"""Pixels whose sides differ by less than this share are square: one in five hundred columns."""
 
 
 class VideoFilm(Film):
     """A video that OpenCV's decoders open; its frames are read one after another.
+
+    Where the file states that its pixels are wider or narrower than high, its pictures are
+    stretched to square ones: a ball would be an ellipse.
 
     Raises
     ------
@@ -43,10 +48,16 @@ class VideoFilm(Film):
             rate = float(video.get(cv2.CAP_PROP_FPS))
             turned = round(float(video.get(cv2.CAP_PROP_ORIENTATION_META))) % 180 != 0
             stated = round(float(video.get(cv2.CAP_PROP_FRAME_COUNT)))
+            across, down = video.get(cv2.CAP_PROP_SAR_NUM), video.get(cv2.CAP_PROP_SAR_DEN)
             _, first = video.read()
             if first is None:
                 raise InputError(path, "holds no frame that can be read")
-            FrameBudget(path).claim(first.shape)
+            height, stored = first.shape[:2]
+            self._size = stored, height
+            if across > 0 and down > 0 and abs(across / down - 1.0) > SQUARE:
+                wide = down / across if turned else across / down
+                self._size = max(1, round(stored * wide)), height
+            FrameBudget(path).claim((height, self._size[0], first.shape[2]))
             blue, green, red = cv2.split(first)
             pairs = ((blue, green), (green, red), (red, blue))
             self._grey = all(cv2.absdiff(*pair).max() <= GREY_TOLERANCE for pair in pairs)
@@ -64,13 +75,18 @@ class VideoFilm(Film):
         if 0 < stated != len(times):
             have = f"{counted(len(times), 'frame')} can be read, the container counts {stated}"
             notes.append(f"{have}: the rest is missing or damaged")
+        width = self._size[0]
+        if width != stored:
+            sides = f"{across:g} wide to {down:g} high"
+            stretched = f"pictures of {stored} columns are stretched to {width}"
+            notes.append(f"the file states pixels that are {sides}: {stretched}")
         readout: Readout = "columns" if turned else "rows"
         super().__init__(
             path,
             FilmHead(
                 frames=len(times),
-                height=first.shape[0],
-                width=first.shape[1],
+                height=height,
+                width=width,
                 channels=1 if self._grey else 3,
                 times_s=_seconds(np.array(times), rate),
                 rate_hz=rate if rate > 0 else None,
@@ -85,7 +101,9 @@ class VideoFilm(Film):
             self._held = [known[k] for k in range(len(times))]
 
     def _plain(self, picture: MatLike) -> Picture:
-        """Return a picture of one channel where the film has no colours."""
+        """Return a picture of square pixels, and of one channel where the film has no colours."""
+        if self._size != picture.shape[1::-1]:
+            picture = cv2.resize(picture, self._size, interpolation=cv2.INTER_LINEAR)
         own = picture[:, :, 1:2] if self._grey else picture
         return cast("Picture", np.ascontiguousarray(own))
 

@@ -157,6 +157,38 @@ def test_a_grey_video_has_one_channel_and_its_times(tmp_path: Path) -> None:
     assert levels == pytest.approx([0, 40, 80, 120, 160], abs=3)
 
 
+def state_pixels(path: Path, across: int, down: int) -> None:
+    """Write the sides of pixels into an MP4 file whose frames lie before its boxes.
+
+    The box `pasp` ends the sample entry (ISO/IEC 14496-12, 12.1.4); each box about it grows.
+    """
+    data = bytearray(path.read_bytes())
+    about = [b"moov", b"trak", b"mdia", b"minf", b"stbl", b"stsd", b"mp4v"]
+    heads = [data.index(name, data.index(b"moov")) - 4 for name in about]
+    lengths = [int.from_bytes(data[head : head + 4]) for head in heads]
+    end = heads[-1] + lengths[-1]
+    for head, length in zip(heads, lengths, strict=True):
+        data[head : head + 4] = (length + 16).to_bytes(4)
+    data[end:end] = struct.pack(">I4sII", 16, b"pasp", across, down)
+    path.write_bytes(data)
+
+
+def test_a_ball_that_a_file_states_to_be_squeezed_is_round_in_its_pictures(tmp_path: Path) -> None:
+    path = tmp_path / "film.mp4"
+    video = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"mp4v"), 50.0, (96, 96))
+    picture = np.zeros((96, 96, 3), np.uint8)
+    cv2.ellipse(picture, (48, 48), (20, 30), 0, 0, 360, (255, 255, 255), -1)
+    for _ in range(3):
+        video.write(picture)
+    video.release()
+    state_pixels(path, 3, 2)
+    film = open_film(path)
+    assert (film.head.height, film.head.width) == (96, 144)
+    assert "3 wide to 2 high" in film.head.notes[0]
+    rows, columns = np.nonzero(next(iter(film.pictures()))[..., 0] > 127)
+    assert np.ptp(columns) == pytest.approx(np.ptp(rows), abs=2)
+
+
 def test_pictures_of_sixteen_bits_keep_their_numbers(
     values: NDArray[np.uint16], tmp_path: Path
 ) -> None:
