@@ -15,13 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.arrays import Floats
-from analysis.balls.seen.growing import MEMORY, MOST_MISSES, course, grow
+from analysis.balls.seen.growing import LEAST_FRAMES, MEMORY, MOST_MISSES, course, next_arc
 
 Ints = NDArray[np.intp]
 
 FALL_SIGMA = 0.15
 """Relative, of the fall in pixels that follows from the ball's size in the picture."""
-LEAST_FRAMES = 4
 TOLERANCE_RADII, TOLERANCE_PX = 0.35, 1.0
 MOST_MOVED = 0.5
 """Scatter about one place over that about a fall, of places that rest."""
@@ -147,23 +146,16 @@ class _Search:
                 *fall.tolist(),
             ]
         )
+        self._seed = np.zeros(3, dtype=np.intp)
         self._taken = np.zeros((frames, 2), dtype=np.intp)
-        self._tried: set[tuple[int, int, int]] = set()
 
     def best(self) -> Arc | None:
-        """Return the next arc from the strongest seed that is left, and take its sightings."""
-        for first in range(len(self._free) - 1):
-            for a in np.flatnonzero(self._free[first]).tolist():
-                for b in np.flatnonzero(self._free[first + 1]).tolist():
-                    if (first, a, b) in self._tried:
-                        continue
-                    self._tried.add((first, a, b))
-                    self._taken[0], self._taken[1] = (first, a), (first + 1, b)
-                    known = self._seen.times_s, self._places, self._free
-                    count = grow(*known, self._rules, self._taken)
-                    if count >= LEAST_FRAMES:
-                        return self._take([(int(k), int(i)) for k, i in self._taken[:count]])
-        return None
+        """Return the next arc from the first seed that is left, and take its sightings."""
+        known = self._seen.times_s, self._places, self._free, self._rules
+        count = next_arc(known, self._seed, self._taken)
+        if count == 0:
+            return None
+        return self._take([(int(k), int(i)) for k, i in self._taken[:count]])
 
     def _take(self, taken: list[tuple[int, int]]) -> Arc:
         for frame, index in taken:

@@ -13,7 +13,8 @@ from dataclasses import replace
 import numpy as np
 
 from analysis.arrays import Floats
-from analysis.balls.seen.arcs import LEAST_FRAMES, Arc, Chain
+from analysis.balls.seen.arcs import Arc, Chain
+from analysis.balls.seen.growing import LEAST_FRAMES
 from analysis.balls.seen.looks import Looks
 
 FALL_SHARE = (0.5, 2.0)

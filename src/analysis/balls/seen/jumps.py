@@ -10,14 +10,8 @@ import numpy as np
 
 from analysis.arrays import Floats
 from analysis.balls.gaps import MOST_LOST, Gap, period_of
-from analysis.balls.seen.arcs import (
-    LEAST_FRAMES,
-    TOLERANCE_PX,
-    TOLERANCE_RADII,
-    Arc,
-    Sightings,
-)
-from analysis.balls.seen.growing import MEMORY, MOST_MISSES
+from analysis.balls.seen.arcs import TOLERANCE_PX, TOLERANCE_RADII, Arc, Sightings
+from analysis.balls.seen.growing import LEAST_FRAMES, MEMORY, MOST_MISSES
 
 REACH = 3
 """Sightings about the place where two pieces part that may belong to the other one."""

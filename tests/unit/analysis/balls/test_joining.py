@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -56,6 +58,22 @@ def test_what_rests_is_no_flight_though_its_frames_are_too_few_to_show_how_they_
     sightings = Sightings(np.arange(len(seen)) / RATE, seen, SHAPE)
     (found,) = find_arcs(sightings, RADIUS, FALL)
     assert found.frames.tolist() == list(range(8, 38))
+
+
+def test_falls_are_found_among_much_clutter_in_seconds_of_the_processor() -> None:
+    # Every fall takes 40 frames, and is gone from the picture for the rest of its 60.
+    rng, frames = np.random.default_rng(5), 1500
+    rows = 20.0 + 0.5 * FALL[0] * ((np.arange(frames) % 60) / RATE) ** 2
+    clutter = rng.uniform(0.0, 1.0, (frames, 16, 3)) * [*SHAPE, 1.0]
+    seen = [
+        np.concatenate([each, np.array([[row, 100.0, 9.0]])[: int(row < SHAPE[0] - 20)]])
+        for each, row in zip(clutter, rows.tolist(), strict=True)
+    ]
+    begun = time.process_time()
+    found = find_arcs(Sightings(np.arange(frames) / RATE, seen, SHAPE), RADIUS, FALL)
+    assert time.process_time() - begun < 20.0
+    whole = [arc for arc in found if np.abs(arc.places[:, 1] - 100.0).max() < 6.0]
+    assert sum(len(arc.frames) > 30 for arc in whole) == frames // 60
 
 
 def test_a_light_ball_that_falls_from_the_first_frame_is_not_held_there() -> None:
