@@ -18,7 +18,7 @@ from analysis.errors import counted
 
 CONTACT_FRAMES = 0.6
 """Frames beside a contact, and half the exposure, in which places may show part of it."""
-FEW_GAPS = 2
+FEW_GAPS = 1
 """Places at which a film lacks frames whose rate holds."""
 SHOWN = 12
 """Frames that a sentence lists."""

@@ -24,11 +24,14 @@ FALL_SIGMA = 0.15
 TOLERANCE_RADII, TOLERANCE_PX = 0.35, 1.0
 MOST_MOVED = 0.5
 """Scatter about one place over that about a fall, of places that rest."""
-REMEMBERED_RADII, MOST_REMEMBERED = 0.5, 200
-"""An arc is continued from the time in which a ball falls a quarter of its radius from rest, and
-from so many sightings at most."""
+SHOWN_AT_REST, MOST_REMEMBERED = 12.0, 500
+"""An arc is continued from the time T in which a ball at rest leaves one that falls: g T^2 / 12
+at its ends is the tolerance then; and from so many sightings at most."""
 OVER_BOUNCE = 6
 """One of so many of these sightings may lie on the other side of a bounce."""
+MOST_E = 2.0
+"""Speed after a bounce over that before it, as few sightings tell them: a plate at rest gives none,
+and what leaves faster was in pieces of its flights."""
 MOST_SEED_RADII = 14.0
 """A ball moves by no more of its radii from one frame to the next."""
 
@@ -56,9 +59,13 @@ class Arc:
 
     def part(self, first: int, last: int) -> Arc:
         """Return the sightings from one up to another."""
-        share = (last - first) / len(self.frames)
-        own = slice(first, last)
-        return Arc(self.frames[own], self.times_s[own], self.places[own], share * self.strength)
+        return self.of(np.arange(len(self.frames))[first:last])
+
+    def of(self, chosen: Ints) -> Arc:
+        """Return some sightings, in the order of their numbers."""
+        share = len(chosen) / len(self.frames)
+        own = self.frames[chosen], self.times_s[chosen], self.places[chosen]
+        return Arc(*own, share * self.strength)
 
     def course_of(self, part: slice, fall: Floats) -> tuple[float, Floats, Floats]:
         """Return the same of some of its sightings."""
@@ -115,14 +122,20 @@ def find_arcs(seen: Sightings, radius_px: float, fall: Floats) -> list[Arc]:
     return sorted(arcs, key=lambda arc: float(arc.times_s[0]))
 
 
+def _tolerance(radius_px: float) -> float:
+    """Return how far from its course a sighting of an arc may lie, px."""
+    return TOLERANCE_RADII * radius_px + TOLERANCE_PX
+
+
 def _remembered(times_s: Floats, radius_px: float, fall: Floats) -> int:
-    """Return from how many sightings an arc is continued: as many as last for a part of a fall.
+    """Return from how many sightings an arc is continued: as many as tell a fall from a rest.
 
     A camera that is fast for the ball sees a bounce as a bend of a pixel a frame, which a course
-    through few sightings would follow.
+    through few sightings would follow, and on into the ball's rest.
     """
-    lasts_s = math.sqrt(REMEMBERED_RADII * radius_px / max(1e-9, abs(float(fall[0]))))
-    frames = math.ceil(lasts_s / float(np.median(np.diff(times_s))))
+    lasts_s = math.sqrt(SHOWN_AT_REST * _tolerance(radius_px) / max(1e-9, abs(float(fall[0]))))
+    step_s = float(np.median(np.diff(times_s)))
+    frames = math.ceil(lasts_s / step_s) if step_s > 0.0 else MEMORY
     return min(MOST_REMEMBERED, max(MEMORY, frames))
 
 
@@ -139,7 +152,7 @@ class _Search:
             self._free[frame, : len(places)] = free[frame]
         self._rules = np.array(
             [
-                TOLERANCE_RADII * radius_px + TOLERANCE_PX,
+                _tolerance(radius_px),
                 MOST_SEED_RADII * radius_px,
                 *map(float, seen.shape),
                 float(_remembered(seen.times_s, radius_px, fall)),
@@ -225,22 +238,30 @@ def _strongest(arcs: list[Arc], radius_px: float, fall: Floats) -> Chain:
 def _parted(chain: Chain, radius_px: float, fall: Floats) -> Chain:
     """Return a chain whose arcs have the sightings on their own side of each bounce.
 
-    Where a camera is fast for the ball its arcs go on over a bounce for some frames.
+    Where a camera is fast for the ball its arcs go on over a bounce for some frames. Arcs between
+    which frames lie keep what they have: those frames may be of a piece that belongs to neither.
     """
     arcs = list(chain.arcs)
     for k, time in enumerate(chain.times_s.tolist()):
         a, b = arcs[k : k + 2]
-        if not _clear_of_bounces(a.times_s, radius_px, fall)[1]:
+        beside = b.frames[0] - a.frames[-1] <= MOST_MISSES + 1
+        if not (beside and _clear_of_bounces(a.times_s, radius_px, fall)[1]):
             continue
         own, under = (
             int(np.count_nonzero(a.times_s < time)),
             int(np.count_nonzero(b.times_s < time)),
         )
         if LEAST_FRAMES <= own < len(a.frames):
-            arcs[k : k + 2] = a.part(0, own), _one_arc(a.part(own, len(a.frames)), b)
+            arcs[k : k + 2] = a.part(0, own), _with(b, a.part(own, len(a.frames)))
         elif 0 < under <= len(b.frames) - LEAST_FRAMES:
-            arcs[k : k + 2] = _one_arc(a, b.part(0, under)), b.part(under, len(b.frames))
+            arcs[k : k + 2] = _with(a, b.part(0, under)), b.part(under, len(b.frames))
     return replace(chain, arcs=tuple(arcs))
+
+
+def _with(own: Arc, other: Arc) -> Arc:
+    """Return an arc with the sightings of another one in frames in which it has none."""
+    whole = _one_arc(own, other.of(np.flatnonzero(~np.isin(other.frames, own.frames))))
+    return whole.of(np.argsort(whole.frames, kind="stable"))
 
 
 def _one_arc(a: Arc, b: Arc) -> Arc:
@@ -281,13 +302,14 @@ def _meeting(a: Arc, b: Arc, radius_px: float, fall: Floats) -> tuple[float, Flo
         return None
     shift = -float((place_b - place_a) @ jump) / size
     apart = place_b - place_a + jump * shift
+    came, left = (float((own + fall * shift) @ jump) for own in (velocity_a, velocity_b))
+    if left > MOST_E * max(-came, 0.0):
+        return None
     time = at + shift
     margin = (MOST_MISSES + 1.5 + max(over, under)) * step
     if not a.times_s[-1] - margin <= time <= b.times_s[0] + margin:
         return None
-    if b.times_s[0] - a.times_s[-1] > 4 * margin:
-        return None
-    if float(np.hypot(*apart)) > 1.5 * radius_px:
+    if b.times_s[0] - a.times_s[-1] > 4 * margin or np.hypot(*apart) > 1.5 * radius_px:
         return None
     return time, place_a + velocity_a * shift + 0.5 * fall * shift**2
 
@@ -343,8 +365,7 @@ def _one(a: Arc, b: Arc, radius_px: float, fall: Floats, shape: tuple[int, int])
     row = np.linalg.lstsq(design, places[:, 0], rcond=None)[0]
     column = np.linalg.lstsq(design[:, :2], places[:, 1], rcond=None)[0]
     course = np.stack([design @ row, design[:, :2] @ column], axis=1)
-    tolerance = TOLERANCE_RADII * radius_px + TOLERANCE_PX
-    if np.hypot(*(places - course).T).max() > tolerance:
+    if np.hypot(*(places - course).T).max() > _tolerance(radius_px):
         return False
     bend = float(row[2] / fall[0])
     if missed <= LEAST_AWAY:

@@ -51,20 +51,41 @@ def course(
     return middle, place, velocity
 
 
+Seen = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_], NDArray[np.float64]]
+_COUNT, _TIMES, _SQUARES, _STRAIGHT, _TURNED, _SUMS = 0, 1, 2, 3, 5, 7
+"""Sums over sightings: their number, times, squared times, and of row and column what is left of
+them without the fall, plain and times the time."""
+
+
 @part
-def _course_of(
-    times: NDArray[np.float64],
-    places: NDArray[np.float64],
-    fall: NDArray[np.float64],
-    known: NDArray[np.intp],
+def _sum(
+    seen: Seen, sums: NDArray[np.float64], sighting: NDArray[np.intp], origin: float, sign: float
+) -> None:
+    """Add a sighting to sums, times counted from an origin; with the sign -1 take it out."""
+    times, places, _, rules = seen
+    gone = times[sighting[0]] - origin
+    sums[_COUNT] += sign
+    sums[_TIMES] += sign * gone
+    sums[_SQUARES] += sign * gone * gone
+    for k in range(2):
+        straight = places[sighting[0], sighting[1], k] - 0.5 * rules[FALL + k] * gone * gone
+        sums[_STRAIGHT + k] += sign * straight
+        sums[_TURNED + k] += sign * gone * straight
+
+
+@part
+def _summed_course(
+    sums: NDArray[np.float64], origin: float, fall: NDArray[np.float64]
 ) -> tuple[float, NDArray[np.float64], NDArray[np.float64]]:
-    """Return the course through some sightings, as `course` does."""
-    own_times, own = np.empty(len(known)), np.empty((len(known), 2))
-    for n in range(len(known)):
-        own_times[n] = times[known[n, 0]]
-        for k in range(2):
-            own[n, k] = places[known[n, 0], known[n, 1], k]
-    return course(own_times, own, fall)
+    """Return the course through summed sightings, as `course` does."""
+    middle = sums[_TIMES] / sums[_COUNT]
+    spread = max(sums[_SQUARES] - middle * sums[_TIMES], 1e-300)
+    place, velocity = np.empty(2), np.empty(2)
+    for k in range(2):
+        place[k] = sums[_STRAIGHT + k] / sums[_COUNT] + 0.5 * fall[k] * middle * middle
+        turned = sums[_TURNED + k] - middle * sums[_STRAIGHT + k]
+        velocity[k] = turned / spread + fall[k] * middle
+    return middle + origin, place, velocity
 
 
 @part
@@ -87,24 +108,20 @@ def _is_gone(
     return False
 
 
-Seen = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_], NDArray[np.float64]]
-
-
 @part
 def _extend(seen: Seen, taken: NDArray[np.intp], count: int, way: int) -> int:
     """Continue an arc into later frames (1) or earlier ones (-1); return how many it has."""
     times, places, free, rules = seen
     frames, most, _ = places.shape
-    fall = rules[FALL:]
-    misses = fitted = 0
-    middle, place, velocity = 0.0, np.zeros(2), np.zeros(2)
-    at = np.zeros(2)
+    fall, remembered = rules[FALL:], int(rules[REMEMBERED])
+    misses = 0
+    at, sums = np.zeros(2), np.zeros(_SUMS)
     frame = taken[count - 1, 0] + way
+    origin = times[taken[count - 1, 0]]
+    for n in range(max(0, count - remembered), count):
+        _sum(seen, sums, taken[n], origin, 1.0)
+    middle, place, velocity = _summed_course(sums, origin, fall)
     while 0 <= frame < frames and misses < MOST_MISSES:
-        if fitted < count:
-            known = taken[max(0, count - int(rules[REMEMBERED])) : count]
-            middle, place, velocity = _course_of(times, places, fall, known)
-            fitted = count
         later = times[frame] - middle
         for k in range(2):
             at[k] = place[k] + (velocity[k] * later + 0.5 * fall[k] * later * later)
@@ -115,6 +132,10 @@ def _extend(seen: Seen, taken: NDArray[np.intp], count: int, way: int) -> int:
                 nearest, best = index, away
         if nearest >= 0:
             taken[count, 0], taken[count, 1] = frame, nearest
+            _sum(seen, sums, taken[count], origin, 1.0)
+            if count >= remembered:
+                _sum(seen, sums, taken[count - remembered], origin, -1.0)
+            middle, place, velocity = _summed_course(sums, origin, fall)
             count += 1
             misses = 0
         # A ball that has left the picture may come back on the same course.

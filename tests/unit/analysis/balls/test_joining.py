@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from analysis.balls.falling import flights_of, other_fall, without_jumps
-from analysis.balls.seen.arcs import Arc, Chain, Sightings, find_arcs, joined
+from analysis.balls.seen.arcs import Arc, Chain, Sightings, chains, find_arcs, joined
 from analysis.balls.seen.free_fall import falls, flown
 from analysis.balls.seen.looks import Looks
 from tests.unit.cli.falling_ball import bouncing
@@ -143,6 +143,58 @@ def test_a_camera_that_is_fast_for_the_ball_sees_its_bounce_and_lacks_no_frame(
     (time,) = found[1].times_s
     # By sightings, of which some lie on the other side of the bounce.
     assert time == pytest.approx((320.0 / FALL[0]) ** 0.5, abs=0.01)
+
+
+@pytest.mark.parametrize(("e", "per_frame", "bounces"), [(0.3, 4, 1), (0.5, 1, 2), (0.5, 4, 2)])
+def test_low_bounces_of_a_ball_that_comes_to_rest_are_found_by_fast_cameras_too(
+    e: float, per_frame: int, bounces: int
+) -> None:
+    """What rises by an eighth of the ball's diameter or more is a flight."""
+    seen = seen_bouncing(280 * per_frame, e, per_frame)
+    found = flights_of(seen, BALL, FALL)
+    assert found is not None
+    falls_s = (320.0 / FALL[0]) ** 0.5
+    known = falls_s * np.array([1.0, 1.0 + 2.0 * e])[:bounces]
+    assert found[1].times_s == pytest.approx(known, abs=0.01)
+
+
+def test_arcs_that_share_frames_give_each_its_own_side_of_a_bounce_and_no_frame_twice() -> None:
+    """The first goes on over the bounce, where the ball's shadow was taken for it."""
+    rate, bounce = 10 * RATE, 300
+    gone = np.arange(-bounce, 300) / rate
+    rows = np.where(gone < 0.0, 700.0 * gone, -560.0 * gone) + 0.5 * FALL[0] * gone**2 + 300.0
+    frames = np.arange(len(rows))
+    places = np.column_stack([rows, np.full(len(rows), 100.0)])
+
+    def of(first: int, last: int, off: float) -> Arc:
+        own = slice(first, last)
+        return Arc(frames[own], frames[own] / rate, places[own] + off, 1.0 * (last - first))
+
+    over = of(0, bounce + 2, 0.0), of(bounce, 600, 0.3)
+    (chain,) = chains(over, RADIUS, FALL)
+    before, after = chain.arcs
+    assert abs(int(before.frames[-1]) - bounce) <= 2
+    for one in chain.arcs:
+        assert np.all(np.diff(one.frames) > 0)
+        assert np.all(np.diff(one.times_s) > 0)
+    assert {*before.frames.tolist(), *after.frames.tolist()} == set(range(600))
+
+
+def test_a_piece_from_which_the_ball_leaves_far_faster_than_it_came_is_between_no_bounces() -> None:
+    """Sightings that something hides for some frames go through a piece of a fall of their own."""
+    before, after = fallen(100.0, np.arange(50.0)), fallen(0.0, np.arange(50.0))[::-1]
+    after = after + before[-1] - after[0]
+    hidden = np.full(6, before[-1]) - np.array([0.0, 0.3, 0.5, 0.5, 0.3, 0.0])
+    pieces = [arc(0, before), arc(50, hidden), arc(56, after[6:])]
+    chain = chains(pieces, RADIUS, FALL)[0]
+    assert [one.frames[0] for one in chain.arcs] == [0, 56]
+    (time,) = chain.times_s
+    assert time == pytest.approx(49.5 / RATE, abs=1.5 / RATE)
+
+
+def test_frames_that_all_have_one_time_have_no_flight() -> None:
+    seen = seen_bouncing(20)
+    assert flights_of(Sightings(np.zeros(20), seen.places, SHAPE), BALL, FALL) is None
 
 
 @pytest.mark.parametrize("share", [1 / 64, 0.1, 10.0, 100.0])
