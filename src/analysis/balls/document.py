@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,11 @@ from analysis.motion.drift import WORST_LENGTH, line_variances
 from analysis.quantity import Quantity
 
 Json = dict[str, Any]
+Coefficient = tuple[float, float]
+"""e of a bounce and its standard error."""
 
+UNTOLD = 0.5
+"""Error of the logarithm of a scale that nobody states."""
 UNBENDING = 8
 """Steps in which a lens's bending of a few per cent is undone to rounding."""
 LEAST_E = 3e-4
@@ -25,23 +30,24 @@ LEAST_E = 3e-4
 bend flights in ways that e does not feel, and the drag of the air does."""
 
 
-def ball_poses(measured: MeasuredBall, flights: Flights) -> Json:
+def _poses(flights: Flights, found: Sequence[Coefficient], scatter: Floats) -> Json:
     """Return times and places of a ball in rig axes, and what all of them share.
 
     What the camera does to them is taken out. X is along gravity and Y across the picture, both
     from the first contact. Where along the line of sight a ball is, one view does not tell. The
     errors of single places are those beside one another; `slow_m` is what the places of one
     flight share. `scale_sigma` is what the ball's diameter leaves of the scale, or gravity where
-    the two contradict each other; `normal` is that of the plate.
+    the two contradict each other or nothing else tells it; `normal` is that of the plate.
     """
     observed, used = flights.observed, flights.used
     scale = flights.scale_px_per_m
     times = observed.times_s + flights.row_delay(observed.places)
     places = _upright(flights, _in_plane(flights, times)) / scale
     distance = flights.at(times, flights.arcs)[:, 2]
-    sigmas = measured.scatter * distance[:, None] / scale
+    sigmas = scatter * distance[:, None] / scale
     lean = float(flights.values[path.TILT] + flights.values[path.ROLL])
-    by_size = flights.scale_of_fall if flights.contradiction else flights.scale_of_diameter
+    told = not flights.contradiction and flights.scale_of_diameter[1] < UNTOLD
+    by_size = flights.scale_of_diameter if told else flights.scale_of_fall
     return {
         "frame": observed.frames[used].tolist(),
         "t_s": times[used].tolist(),
@@ -52,17 +58,19 @@ def ball_poses(measured: MeasuredBall, flights: Flights) -> Json:
         "normal": [math.cos(lean), -math.sin(lean), 0.0],
         "scale_px_per_m": scale,
         "scale_sigma": by_size[1],
-        "slow_m": float(np.median([_slow(measured, flights, k) for k in range(flights.bounces)])),
+        "slow_m": float(
+            np.median([_slow(flights, k, sigma) for k, (_, sigma) in enumerate(found)])
+        ),
     }
 
 
-def _slow(measured: MeasuredBall, flights: Flights, bounce: int) -> float:
+def _slow(flights: Flights, bounce: int, sigma_e: float) -> float:
     """Return the error of places that leaves e of a bounce as uncertain as the film does, m.
 
     Rolling shutter, lens, line of sight and light bend flights; no scatter of places shows it. A
     fit of poses takes such errors of a ball without spin to make rates worst.
     """
-    sigma = math.hypot(coefficient(measured, bounce)[1], LEAST_E)
+    sigma = math.hypot(sigma_e, LEAST_E)
     contact, arcs = flights.contacts[bounce], flights.arcs[flights.used]
     times = flights.observed.times_s[flights.used]
     before, after = (float(np.ptp(times[arcs == k])) for k in (bounce, bounce + 1))
@@ -112,28 +120,52 @@ TIME, TOWARDS, BESIDE, AWAY, BESIDE_AFTER, _ = range(6)
 
 def ball_document(measured: MeasuredBall, notes: tuple[str, ...]) -> Json:
     """Return what was measured; a film with one impact has that one's keys at the top too."""
-    flights = measured.flights
-    impacts = [] if flights is None else [impact(measured, flights, k) for k in _order(flights)]
-    document: Json = {"status": "measured"}
-    if len(impacts) == 1:
-        document |= impacts[0]
-    document["impacts"] = impacts
-    document["frame_rate_hz"] = 1.0 / period_of(measured.times_s)
+    flights, times = measured.flights, measured.times_s
+    if flights is None:
+        document: Json = {"status": "measured", "impacts": []}
+    else:
+        found = [coefficient(measured, bounce) for bounce in range(flights.bounces)]
+        document = flights_document(flights, found, measured.scatter, times) | _camera(flights)
+    document["frame_rate_hz"] = 1.0 / period_of(times)
     looks, placed = measured.looks, measured.placed
     document["ball"] = {
         "diameter_px": Quantity(2 * looks.radius_px, 2 * looks.radius_sigma_px, "px").to_json()
     }
     document["exposure_s"] = measured.exposure_s
     document["exposure_sigma_s"] = measured.exposure_found
-    if flights is not None:
-        document |= _camera(flights)
-        document["poses"] = ball_poses(measured, flights)
-    document["positions"] = positions(placed, measured.times_s) | {
+    document["positions"] = positions(placed, times) | {
         "scatter_row_px": measured.scatter[:, 0].tolist(),
         "scatter_column_px": measured.scatter[:, 1].tolist(),
     }
     document["notes"] = list(notes)
     return document
+
+
+def flights_document(
+    flights: Flights, found: Sequence[Coefficient], scatter: Floats, times_s: Floats
+) -> Json:
+    """Return the bounces of some flights, and their places in rig axes.
+
+    Parameters
+    ----------
+    found
+        e of each bounce and its standard error.
+    scatter
+        Standard errors of places beside one another, px, shape (N, 2).
+    times_s
+        Of all frames.
+    """
+    impacts = [_impact(flights, k, each, times_s) for k, each in enumerate(found)]
+    alone = impacts[0] if len(impacts) == 1 else {}
+    drag = flights.values[path.DRAG] * flights.scale_px_per_m
+    return {
+        "status": "measured",
+        **alone,
+        "impacts": impacts,
+        "poses": _poses(flights, found, scatter),
+        "drag_per_m": Quantity(drag, drag * _own_sigma(flights, path.DRAG), "1/m").to_json(),
+        "chi2_per_dof": flights.chi2_per_dof,
+    }
 
 
 def positions(placed: Placed, times_s: Floats) -> Json:
@@ -148,11 +180,7 @@ def positions(placed: Placed, times_s: Floats) -> Json:
     }
 
 
-def _order(flights: Flights) -> range:
-    return range(flights.bounces)
-
-
-def impact(measured: MeasuredBall, flights: Flights, bounce: int) -> Json:
+def _impact(flights: Flights, bounce: int, found: Coefficient, times_s: Floats) -> Json:
     """Return one bounce: speeds along the plate's normal and beside it, e, and when.
 
     Signs as in section 7.1 of the thesis with the plate as sphere b: v_n is negative before
@@ -162,7 +190,7 @@ def impact(measured: MeasuredBall, flights: Flights, bounce: int) -> Json:
     frames = flights.observed.frames
     before = frames[flights.used & (flights.arcs == bounce)]
     after = frames[flights.used & (flights.arcs == bounce + 1)]
-    value, sigma = coefficient(measured, bounce)
+    value, sigma = found
     along_time = _sigma(flights, bounce, TIME)
     tilt, tilt_sigma = flights.values[path.TILT], _own_sigma(flights, path.TILT)
     reach = float(np.hypot(contact[TOWARDS], contact[BESIDE])) / flights.scale_px_per_m
@@ -171,7 +199,7 @@ def impact(measured: MeasuredBall, flights: Flights, bounce: int) -> Json:
         "contact_time_s": float(contact[TIME]),
         "contact_time_sigma_s": along_time,
         "contact_duration": None,
-        "frame": frame_at(measured.times_s, float(contact[TIME])),
+        "frame": frame_at(times_s, float(contact[TIME])),
         "normal": [math.cos(tilt), -math.sin(tilt), 0.0],
         "normal_sigma": [0.0, tilt_sigma, tilt_sigma],
         "v_n": _speed(flights, bounce, TOWARDS, -1.0),
@@ -188,8 +216,13 @@ def impact(measured: MeasuredBall, flights: Flights, bounce: int) -> Json:
     }
 
 
+def unseen(unit: str) -> Json:
+    """Return a quantity that was not measured."""
+    return {"value": None, "sigma": None, "unit": unit}
+
+
 def _open(low: float, high: float) -> Json:
-    return {"value": None, "sigma": None, "low": low, "high": high, "unit": "m/s"}
+    return unseen("m/s") | {"low": low, "high": high}
 
 
 def _own_sigma(flights: Flights, index: int) -> float:
@@ -236,14 +269,8 @@ def _camera(flights: Flights) -> Json:
         "row_time_s": Quantity(
             values[path.ROW_TIME], _own_sigma(flights, path.ROW_TIME), "s"
         ).to_json(),
-        "drag_per_m": Quantity(
-            values[path.DRAG] * flights.scale_px_per_m,
-            values[path.DRAG] * flights.scale_px_per_m * _own_sigma(flights, path.DRAG),
-            "1/m",
-        ).to_json(),
         "residual_px": {
             "row": float(np.std(flights.residuals[flights.used, 0])),
             "column": float(np.std(flights.residuals[flights.used, 1])),
         },
-        "chi2_per_dof": flights.chi2_per_dof,
     }

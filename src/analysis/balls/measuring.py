@@ -373,28 +373,16 @@ def _observed(placed: Placed, times_s: Floats, of_radius: ByRadius | None) -> Ob
 
 def _start(found: Search) -> Start:
     chain, fall = found.chain, found.fall
-    before: list[Floats] = []
-    after: list[Floats] = []
-    for time, a, b in zip(chain.times_s, chain.arcs[:-1], chain.arcs[1:], strict=True):
-        for arc, end, speeds in ((a, True, before), (b, False, after)):
-            middle, _, speed = arc.course(fall, end=end)
-            speeds.append(speed + fall * (time - middle))
     own = float(fall[0]) if found.contradicts else None
-    return Start(chain.times_s, chain.places, np.array(before), np.array(after), own)
+    return Start(chain.times_s, chain.places, *chain.speeds(fall), own)
 
 
 def coefficient(measured: MeasuredBall, bounce: int) -> tuple[float, float]:
-    """Return e of a bounce and its standard error; `benchmarks.balls` prints its parts.
-
-    What is beyond 1 is error: no ball leaves a plate at rest faster than it came.
-    """
+    """Return e of a bounce and its standard error; `benchmarks.balls` prints its parts."""
     flights = measured.flights
     if flights is None:
         return math.nan, math.inf
-    contact = flights.contacts[bounce]
-    slope = flights.slopes_of_e(bounce)
-    variance = float(slope @ flights.whole_covariance @ slope)
     coded = LEAST_CODEC_E if measured.head.compressed else 0.0
-    told = float(measured.unsettled_e[bounce]), float(measured.unsure_e[bounce]), flights.doubt
-    e = float(contact[3] / contact[1])
-    return e, math.hypot(math.sqrt(variance), *told, coded, max(0.0, e - 1.0))
+    told = float(measured.unsettled_e[bounce]), float(measured.unsure_e[bounce])
+    e, sigma = flights.coefficient(bounce)
+    return e, math.hypot(sigma, *told, coded)

@@ -19,6 +19,7 @@ from tests.unit.cli.falling_ball import (
     FALL,
     RADIUS,
     RATE,
+    SIZE,
     answer,
     bouncing,
     picture,
@@ -207,6 +208,39 @@ def test_only_the_frames_that_are_asked_for_count(
     assert "count from frame 20" in shot["notes"][0]
     assert "columns 10 to 109 and rows 0 to 239" in shot["notes"][0]
     assert shot["impacts"][0]["e"]["value"] == pytest.approx(0.8, abs=0.02)
+
+
+def track(path: Path) -> Path:
+    """Write the places of the drawn ball as a tracker does: frames, and pixels downwards."""
+    places = bouncing(200)
+    rows = [f"{frame},{row:.3f},60.0" for frame, row in enumerate(places)]
+    path.write_text("\n".join(["frame,y,x", *rows]))
+    return path
+
+
+def test_a_tracker_s_table_gives_e_of_every_bounce_and_poses_that_the_model_reads(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table = track(tmp_path / "table.csv")
+    out = tmp_path / "out"
+    shot = answer(capsys, str(table), *SIZE, "--fps", "200", "--out", str(out))
+    assert [impact["e"]["value"] for impact in shot["impacts"]] == pytest.approx(
+        [0.8, 0.8], abs=1e-3
+    )
+    _, data = gather(out)
+    assert isinstance(data, PoseData)
+    # The k-th bounce of shot 1 is impact 100 + k.
+    assert data.shots.tolist() == [101, 102]
+
+
+def test_what_asks_for_pictures_of_a_table_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table = str(track(tmp_path / "table.csv"))
+    assert cli.run(["analyse", table, *SIZE, "--figure", str(tmp_path / "a.png")]) == cli.BAD_INPUT
+    assert "draws over the pictures of a film" in capsys.readouterr().err
+    shot = answer(capsys, table, *SIZE, "--fps", "200", "--roi", "0,0,9,9")
+    assert "a table has no pictures" in shot["reason"]
 
 
 def test_flights_become_poses_that_the_model_reads(film: Path, tmp_path: Path) -> None:

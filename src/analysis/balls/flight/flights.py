@@ -241,6 +241,16 @@ class Flights:
         contact, slopes = self.contacts[bounce], self.contact_slopes[bounce]
         return np.asarray((slopes[3] - contact[3] / contact[1] * slopes[1]) / contact[1])
 
+    def coefficient(self, bounce: int) -> tuple[float, float]:
+        """Return e of a bounce, and the standard error that the flights leave.
+
+        What is beyond 1 is error: no ball leaves a plate at rest faster than it came.
+        """
+        contact, slope = self.contacts[bounce], self.slopes_of_e(bounce)
+        variance = float(slope @ self.whole_covariance @ slope)
+        e = float(contact[3] / contact[1])
+        return e, math.hypot(math.sqrt(variance), self.doubt, max(0.0, e - 1.0))
+
     def row_delay(self, places: Floats) -> Floats:
         """Return how much later than the first row each place is read, s."""
         line = places[:, 1] if self.readout == "columns" else places[:, 0]

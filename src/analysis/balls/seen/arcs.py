@@ -199,6 +199,16 @@ class Chain:
         """Return the sum of all responses."""
         return sum(arc.strength for arc in self.arcs)
 
+    def speeds(self, fall: Floats) -> tuple[Floats, Floats]:
+        """Return the speeds (row, column) before and after each bounce, px/s, shapes (B, 2)."""
+        before: list[Floats] = []
+        after: list[Floats] = []
+        for time, a, b in zip(self.times_s, self.arcs[:-1], self.arcs[1:], strict=True):
+            for arc, end, speeds in ((a, True, before), (b, False, after)):
+                middle, _, speed = arc.course(fall, end=end)
+                speeds.append(speed + fall * (time - middle))
+        return np.array(before).reshape(-1, 2), np.array(after).reshape(-1, 2)
+
 
 def chains(arcs: Sequence[Arc], radius_px: float, fall: Floats) -> list[Chain]:
     """Return chains of arcs that meet in bounces, the strongest first; each arc is in one."""

@@ -130,7 +130,8 @@ def analyse(
     paths: Annotated[
         list[Path],
         typer.Argument(
-            help="Campaign folders, or films: MP4, MOV, AVI, CINE, TIFF, NPY, PNG folder."
+            help="Campaign folders, films (MP4, MOV, AVI, CINE, TIFF, NPY, PNG folder), or a "
+            "tracker's table of a ball as CSV."
         ),
     ],
     *,

@@ -1,4 +1,4 @@
-"""`rigctl analyse` of films of one ball: on a plate, with or without a campaign's folder."""
+"""`rigctl analyse` of films of one ball, or tables of one: on a plate, in a campaign or not."""
 
 from __future__ import annotations
 
@@ -16,6 +16,8 @@ from analysis.balls.analysis import AnalysedFilm, FilmJob, analyse_film
 from analysis.balls.carried import NotFlyingError
 from analysis.balls.document import Json, ball_document, positions
 from analysis.balls.films.part import Cut
+from analysis.balls.tracks.analysis import analyse_table
+from analysis.balls.tracks.table import TABLE_SUFFIXES
 from analysis.errors import InputError, ShotRefusedError
 from analysis.figures.ball_film import draw_ball_film
 from analysis.quantity import Quantity
@@ -104,11 +106,18 @@ def analyse_balls(request: BallRequest, *, as_json: bool) -> None:
     with as_analysis_errors():
         films = ball_films(request.paths, stated)
     name, jobs = films.name, films.jobs
+    if request.figure is not None:
+        _require_pictures(jobs)
     started = time.perf_counter()
     shots: list[Json] = []
     frames, size = 0, (480, 640)
     for job in jobs:
         try:
+            if job.path.suffix.lower() in TABLE_SUFFIXES:
+                table = analyse_table(job)
+                frames, size = frames + table.frames, table.size
+                shots.append({"shot": job.shot, **table.document})
+                continue
             film = analyse_film(job)
         except InputError as error:
             shots.append(_refused(job, "frames", str(error)))
@@ -143,6 +152,19 @@ def analyse_balls(request: BallRequest, *, as_json: bool) -> None:
         _print(document)
     if nothing:
         raise nothing_measured(name, len(shots), refused[0])
+
+
+def _require_pictures(jobs: Sequence[FilmJob]) -> None:
+    """Refuse to draw over a table; raise `SettingsError`."""
+    for job in jobs:
+        if job.path.suffix.lower() in TABLE_SUFFIXES:
+            raise SettingsError(
+                "draws over the pictures of a film",
+                part="--figure",
+                value=job.path.name,
+                limit="a table has none",
+                todo="leave it out, or state the film",
+            )
 
 
 def nothing_measured(

@@ -1,0 +1,208 @@
+"""Tables of places as trackers write them, beside their truth: python -m benchmarks.balls.tables.
+
+The flights are those of the drawn films, seen by the same cameras; places scatter by a part of a
+pixel, as a person's clicks or a tracker's windows do.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import io
+import math
+import tempfile
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.balls.analysis import FilmJob
+from analysis.balls.flight.known import Ball
+from analysis.balls.tracks.analysis import analyse_table
+from analysis.errors import ShotRefusedError
+from benchmarks.balls.dropping import STEP_S, Bounce, Drop, fly
+from benchmarks.balls.filming import Scene
+from benchmarks.balls.scenes import KINDS, scene
+
+Floats = NDArray[np.float64]
+HEARD_S = 1e-3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Seen:
+    """What a tracker saw: frames of a rate, and column and row of each, px; shape (N, 2).
+
+    `px_per_m` is the scale in the plane of the flight that a person would measure.
+    """
+
+    rate_hz: float
+    frames: NDArray[np.intp]
+    places: Floats
+    height: int
+    px_per_m: float
+
+
+def tracked(drawn: Scene, seed: int) -> tuple[Seen, list[Bounce]]:
+    """Return places of a drawn flight with scatter, and its bounces."""
+    stage, drop, camera, count = drawn
+    rng = np.random.default_rng(seed)
+    _, path, bounces = fly(drop, count / camera.rate_hz + 0.1)
+    sigma = rng.uniform(0.1, 0.6)
+    row_s = camera.readout_s / stage.size[0]
+    places = []
+    for frame in range(count):
+        place = stage.seen(path[0])
+        for _ in range(6):
+            time = frame / camera.rate_hz + row_s * place[0]
+            place = stage.seen(path[min(len(path) - 1, round(time / STEP_S))])
+        places.append(place[::-1] + rng.normal(0.0, sigma, 2))
+    ahead = float(-stage.eye[2])
+    return (
+        Seen(
+            camera.rate_hz,
+            np.arange(count),
+            np.array(places),
+            stage.size[0],
+            stage.focal_px / ahead * rng.normal(1.0, 0.01),
+        ),
+        bounces,
+    )
+
+
+def of_tracker(seen: Seen) -> str:
+    """Write a table as Tracker does: seconds and metres upwards, with a decimal comma."""
+    x, y = (seen.places[:, k] / seen.px_per_m for k in (0, 1))
+    rows = zip(seen.frames / seen.rate_hz, x - x[0], y.max() - y, strict=True)
+    text = "mass A\t\t\nt (s)\tx (m)\ty (m)\n"
+    return text + "".join("\t".join(f"{v:.6E}".replace(".", ",") for v in r) + "\n" for r in rows)
+
+
+def of_imagej(seen: Seen) -> str:
+    """Write a table as ImageJ's MTrack2 does: frames and pixels, and lengths below them."""
+    out: list[list[object]] = [["Frame", "X1", "Y1", "Flag1"], ["Tracks", 1, "to", 1]]
+    out += [[f + 1, x, y, ""] for f, (x, y) in zip(seen.frames.tolist(), seen.places, strict=True)]
+    return _text([*out, ["Track", "Length", "Distance", ""], [1, 1002.3, 575.5, ""]])
+
+
+def of_trackmate(seen: Seen) -> str:
+    """Write a table as TrackMate does: three lines of names and one of units, a spot each row."""
+    names = ["LABEL", "TRACK_ID", "QUALITY", "POSITION_X", "POSITION_Y", "POSITION_T", "FRAME"]
+    units = ["", "", "(quality)", "(pixel)", "(pixel)", "(sec)", ""]
+    out: list[list[object]] = [
+        [*names],
+        [n.title() for n in names],
+        [n.lower() for n in names],
+        [*units],
+    ]
+    for f, (x, y) in zip(seen.frames.tolist(), seen.places, strict=True):
+        out.append([f"ID{f}", 0, 8.1, x, y, f / seen.rate_hz, f])
+    return _text(out)
+
+
+def of_trackpy(seen: Seen, bounces: Sequence[Bounce]) -> str:
+    """Write a table as trackpy does: a new particle after each bounce, and one that stays."""
+    out: list[list[object]] = [["", "y", "x", "mass", "frame", "particle"]]
+    for f, (x, y) in zip(seen.frames.tolist(), seen.places, strict=True):
+        particle = 3 + sum(bounce.time < f / seen.rate_hz for bounce in bounces)
+        out.append([len(out), y, x, 800.0, float(f), float(particle)])
+        out.append([len(out), 20.0 + 0.1 * (f % 3), 4.0, 300.0, float(f), 1.0])
+    return _text(out)
+
+
+def of_dltdv(seen: Seen) -> str:
+    """Write a table as DLTdv does: a row each frame, upwards, NaN where nothing was digitised."""
+    out: list[list[object]] = [["pt1_cam1_X", "pt1_cam1_Y"]]
+    up = seen.height - seen.places[:, 1]
+    out += [
+        [x, y] if n % 9 else ["NaN", "NaN"]
+        for n, (x, y) in enumerate(zip(seen.places[:, 0], up, strict=True))
+    ]
+    return _text(out)
+
+
+def _text(rows: Sequence[Sequence[object]]) -> str:
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(rows)
+    return text.getvalue()
+
+
+def heard(drop: Drop, seed: int) -> tuple[str, list[Bounce]]:
+    """Write the times of a flight's bounces as phyphox does, and return the bounces."""
+    rng = np.random.default_rng(seed)
+    _, _, bounces = fly(drop, 3.0)
+    known = bounces[:6]
+    names = [f"Bounce {k} (s)" for k in range(len(known))]
+    return _text([names, [one.time + rng.normal(0.0, HEARD_S) for one in known]]), known[1:-1]
+
+
+def pulls(
+    text: str, name: str, stated: tuple[Ball, float | None], truth: Sequence[Bounce]
+) -> tuple[list[float], int]:
+    """Return the pulls of e of one table's bounces, and how many of its bounces were not found."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / name
+        path.write_text(text, encoding="utf-8")
+        try:
+            found = analyse_table(FilmJob(1, path, *stated)).document["impacts"]
+        except ShotRefusedError as refusal:
+            print(f"   refused: {refusal.reason}")
+            return [], len(truth)
+    off = []
+    for each in found:
+        true = min(truth, key=lambda bounce: abs(bounce.time - each["contact_time_s"]))
+        off.append((each["e"]["value"] - true.e) / each["e"]["sigma"])
+    return off, max(0, len(truth) - len(found))
+
+
+Writer = Callable[[Seen, Sequence[Bounce]], str]
+WRITERS: dict[str, tuple[Writer, bool]] = {
+    "Tracker": (lambda seen, _: of_tracker(seen), False),
+    "ImageJ": (lambda seen, _: of_imagej(seen), True),
+    "TrackMate": (lambda seen, _: of_trackmate(seen), False),
+    "trackpy": (of_trackpy, True),
+    "DLTdv": (lambda seen, _: of_dltdv(seen), True),
+}
+"""With whether the frame rate has to be stated."""
+ENDS = 5
+"""Frames after a bounce that a table needs to show it."""
+
+
+def main() -> None:
+    """Print pulls of e by program and by camera."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n", maxsplit=1)[0])
+    parser.add_argument("--tables", type=int, default=4)
+    parser.add_argument("--first", type=int, default=0)
+    given = parser.parse_args()
+    every: dict[str, list[float]] = {}
+    for number, kind in enumerate(KINDS):
+        for seed in range(given.first, given.first + given.tables):
+            drawn = scene(kind, seed)
+            drop = drawn[1]
+            density = drop.mass / (math.pi / 6 * drop.diameter**3)
+            seen, bounces = tracked(drawn, seed)
+            last = len(seen.frames) / seen.rate_hz - ENDS / seen.rate_hz
+            whole = [bounce for bounce in bounces if bounce.time < last]
+            for program, (write, needs_rate) in WRITERS.items():
+                ball = Ball(drop.diameter, density=density)
+                rate = seen.rate_hz if needs_rate else None
+                off, lost = pulls(write(seen, bounces), "table.csv", (ball, rate), whole)
+                every.setdefault(program, []).extend(off)
+                every.setdefault(kind, []).extend(off)
+                shown = " ".join(f"{one:+.2f}" for one in off)
+                print(f"{kind} {seed} {program}: pulls {shown}; not found {lost}")
+            text, between = heard(drop, 1000 * number + seed)
+            off, lost = pulls(
+                text, "Energy.csv", (Ball(drop.diameter, density=density), None), between
+            )
+            every.setdefault("phyphox", []).extend(off)
+    for name, off in every.items():
+        print(
+            f"{name}: {len(off)} bounces, pull {np.sqrt(np.mean(np.square(off))):.2f} rms, "
+            f"largest {np.abs(off).max():.1f}"
+        )
+
+
+if __name__ == "__main__":
+    main()

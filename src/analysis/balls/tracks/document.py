@@ -1,0 +1,83 @@
+"""What a tracker's table shows of a ball, as other programs read it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from analysis.balls.document import Json, flights_document
+from analysis.balls.gaps import period_of
+from analysis.balls.tracks.measuring import MeasuredTrack
+from analysis.errors import counted
+from analysis.quantity import Quantity
+
+AXES = "xyz"
+CONTACT_FRAMES = 0.6
+"""Frames beside a contact in which places may show part of it."""
+
+
+def track_document(measured: MeasuredTrack) -> Json:
+    """Return the bounces, with the table's own frame numbers, scale and remarks."""
+    flights = measured.flights
+    found = [measured.coefficient(bounce) for bounce in range(flights.bounces)]
+    document = flights_document(flights, found, flights.scatter, measured.times_s)
+    for each in (document, *document["impacts"]):
+        for key in ("frames_before", "frames_after"):
+            if key in each:
+                each[key] = [frame + measured.first_frame for frame in each[key]]
+        if "frame" in each:
+            each["frame"] += measured.first_frame
+    document["frame_rate_hz"] = 1.0 / period_of(measured.times_s)
+    fall, sigma = flights.scale_of_fall
+    by_fall = fall / measured.px_per_unit
+    document["scale_units_per_m"] = {
+        "from_gravity": Quantity(by_fall, by_fall * sigma, "1/m").to_json()
+        if math.isfinite(sigma)
+        else None,
+        "stated": None if measured.metres is None else 1.0 / measured.metres,
+        "agree": not flights.contradiction,
+    }
+    document["notes"] = list(_remarks(measured))
+    return document
+
+
+def _remarks(measured: MeasuredTrack) -> Iterator[str]:
+    """Say what a person should know of a table."""
+    flights, first = measured.flights, measured.first_frame
+    yield from measured.notes
+    way = "+" if measured.fall.size > 0 else "-"
+    scale, sigma = flights.scale_of_fall[0] / measured.px_per_unit, flights.scale_of_fall[1]
+    if measured.metres is None:
+        said = f"{scale:.4g} ± {scale * sigma:.2g} units a metre"
+        yield (
+            f"things fall along {way}{AXES[measured.fall.axis]}; the table states no unit, and the "
+            f"scale is that of gravity: {said}"
+        )
+    elif flights.contradiction:
+        ratio = scale * measured.metres
+        yield (
+            f"the table's unit contradicts gravity: by the fall it is {ratio:.3f} ± "
+            f"{ratio * sigma:.3f} of what is stated; speeds are scaled by gravity, e does not "
+            "depend on it; check the length that the tracker was calibrated with, and the times"
+        )
+    if measured.others:
+        yield f"{counted(measured.others, 'other thing')} in the table bounces too; it is left out"
+    times = flights.observed.times_s + flights.row_delay(flights.observed.places)
+    contacts = np.append(flights.contacts[:, 0], flights.next_contact_s)
+    near = np.abs(times[:, None] - contacts).min(axis=1) < CONTACT_FRAMES / (
+        1.0 / period_of(measured.times_s)
+    )
+    for which, why in (
+        (~flights.used & near, "exposed during a contact, or next to one"),
+        (~flights.used & ~near, "off the flights"),
+    ):
+        if which.any():
+            frames = flights.observed.frames[which] + first
+            yield f"frames that do not count ({why}): {', '.join(map(str, frames.tolist()))}"
+    if flights.doubt:
+        yield (
+            f"{int((~flights.used).sum())} of {len(flights.used)} places lie off free flights; "
+            f"the error of e holds as much ({flights.doubt:.2f})"
+        )

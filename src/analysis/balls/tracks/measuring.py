@@ -1,0 +1,252 @@
+"""From a tracker's table to the flights and bounces of a ball.
+
+A table has no pictures: what a place may be off by is what places scatter about the flights, and
+its scale is that by which things fall, compared with the table's unit where it states one.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from analysis.arrays import Floats
+from analysis.balls.flight.fit import fit_flights
+from analysis.balls.flight.flights import Flights, Ints, Observed, Start
+from analysis.balls.flight.known import Ball, Known, View
+from analysis.balls.flight.lost import unsure_e
+from analysis.balls.seen.arcs import Chain, Sightings, chains, find_arcs, joined
+from analysis.balls.seen.free_fall import rests
+from analysis.balls.tracks.fall import TableFall, table_fall
+from analysis.balls.tracks.table import TrackTable
+from analysis.errors import ShotRefusedError, counted
+
+RADIUS_PX = 20.0
+"""Of the ball in the picture that a table is turned into: the search has tolerances in pixels."""
+SCALE_SIGMA, UNIT_SIGMA = 2.0, 0.03
+"""Of a scale's logarithm that nobody states, and of one that follows from a table's unit: a length
+was held beside the flight, nearer to the camera or farther."""
+EXPOSED = 0.5
+"""Of the time between frames, where no exposure is stated: a place is the middle of a smear."""
+LEAST_SIGMA_PX = 1e-4
+"""Of places that follow one another without any scatter."""
+MOST_FRAMES = 1_000_000
+UNEVEN = 0.1
+"""Of the time between frames, by which times lie off one rate: then they are numbered in order."""
+MARGIN_RADII = 2.0
+"""About all places, of the picture that they are in."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MeasuredTrack:
+    """A ball of a table, and how the table was turned into a picture.
+
+    Attributes
+    ----------
+    flights
+        In the picture's pixels, down the rows.
+    times_s
+        Of all frames.
+    first_frame
+        The table's number of frame 0.
+    fall
+        How things fall in the table.
+    px_per_unit
+        Pixels of one of the table's units.
+    metres
+        What the table says that a unit is; None: nothing.
+    others
+        How many other things fall in the table.
+    size
+        Rows and columns of the picture.
+    unsure_e
+        By how much e of each bounce changes with a time that seems to be missing, shape (B,).
+    notes
+        Of the table.
+    """
+
+    flights: Flights
+    times_s: Floats
+    first_frame: int
+    fall: TableFall
+    px_per_unit: float
+    metres: float | None
+    others: int
+    size: tuple[int, int]
+    unsure_e: Floats
+    notes: tuple[str, ...]
+
+    def coefficient(self, bounce: int) -> tuple[float, float]:
+        """Return e of a bounce and its standard error."""
+        e, sigma = self.flights.coefficient(bounce)
+        return e, math.hypot(sigma, float(self.unsure_e[bounce]))
+
+
+def measure_track(
+    table: TrackTable, ball: Ball, rate_hz: float | None, exposure_s: float | None
+) -> MeasuredTrack:
+    """Find the flights of a ball among the places of a table, and measure its bounces.
+
+    Parameters
+    ----------
+    rate_hz
+        Frames a second of the camera; None: by the table's times.
+    exposure_s
+        None: half the time between frames.
+
+    Raises
+    ------
+    ShotRefusedError
+        No times, nothing that falls, or no bounce with four places on both sides.
+    """
+    frames, times = _times(table, rate_hz)
+    fall = _fall(table, frames, times)
+    by_fall = abs(fall.size) / ball.gravity
+    px = 2.0 * RADIUS_PX / ball.diameter_m / by_fall
+    places = _picture(table.places, fall, px)
+    seen = _sightings(frames, times, places)
+    down = np.array([abs(fall.size) * px, 0.0])
+    arcs = joined(find_arcs(seen, RADIUS_PX, down), RADIUS_PX, down, seen.shape)
+    linked = chains(arcs, RADIUS_PX, down)
+    if not linked or not len(linked[0].times_s):
+        raise ShotRefusedError("flight", _no_bounce(linked))
+    period = float(np.median(np.diff(seen.times_s)))
+    view = View(
+        *seen.shape,
+        period,
+        EXPOSED * period if exposure_s is None else exposure_s,
+        readout="rows",
+    )
+    known = _known(ball, view, None if table.metres is None else px / table.metres)
+    chain = linked[0]
+    start = Start(chain.times_s, chain.places, *chain.speeds(down))
+    flights = fit_flights(_observed(chain, seen.times_s), start, known)
+    if flights is None:
+        raise ShotRefusedError("flight", _no_bounce(linked))
+    return MeasuredTrack(
+        flights=flights,
+        times_s=seen.times_s,
+        first_frame=int(frames.min()),
+        fall=fall,
+        px_per_unit=px,
+        metres=table.metres,
+        others=sum(len(one.times_s) > 0 for one in linked[1:]),
+        size=seen.shape,
+        unsure_e=unsure_e(flights),
+        notes=table.notes,
+    )
+
+
+def _times(table: TrackTable, rate_hz: float | None) -> tuple[Ints, Floats]:
+    """Return the frame of each place, and the time of all frames from the first to the last."""
+    frames, times = table.frames, table.times_s
+    if np.abs(frames - np.round(frames)).max() > 0.0:
+        raise ShotRefusedError("frames", "frames of the table are no whole numbers")
+    numbers = np.round(frames).astype(np.intp)
+    if times is not None and not table.numbered:
+        numbers = _numbered(times)
+    first, count = int(numbers.min()), int(np.ptp(numbers)) + 1
+    if count > MOST_FRAMES:
+        raise ShotRefusedError("frames", f"{count} frames; {MOST_FRAMES} are read at most")
+    if rate_hz is not None:
+        return numbers, np.asarray((first + np.arange(count)) / rate_hz)
+    if times is None or _counts_frames(times):
+        said = "no times" if times is None else "times that are frame numbers"
+        raise ShotRefusedError("frames", f"the table has {said}; state the rate with --fps")
+    each, index = np.unique(numbers, return_index=True)
+    if len(each) < 2 or not np.all(np.diff(times[index]) > 0):
+        raise ShotRefusedError("frames", "times of the table do not increase with its frames")
+    return numbers, np.asarray(np.interp(first + np.arange(count), each, times[index]))
+
+
+def _numbered(times: Floats) -> Ints:
+    """Return frame numbers from times; of times without one rate, their order."""
+    each = np.unique(times)
+    if len(each) < 2:
+        return np.zeros(len(times), dtype=np.intp)
+    step = float(np.median(np.diff(each)))
+    found = np.round((times - each[0]) / step).astype(np.intp)
+    own = np.round((each - each[0]) / step)
+    if len(np.unique(own)) == len(each) and np.abs((each - each[0]) / step - own).max() < UNEVEN:
+        return found
+    return np.asarray(np.searchsorted(each, times), dtype=np.intp)
+
+
+def _counts_frames(times: Floats) -> bool:
+    """Return whether times are whole numbers, one after another."""
+    each = np.unique(times)
+    return bool(np.all(each == np.round(each))) and float(np.median(np.diff(each))) == 1.0
+
+
+def _fall(table: TrackTable, numbers: Ints, times: Floats) -> TableFall:
+    """Return the fall of the thing that is seen most often and falls."""
+    first = numbers.min()
+    names, counts = np.unique(table.things, return_counts=True)
+    refused: ShotRefusedError | None = None
+    for name in names[np.argsort(-counts, kind="stable")]:
+        own = np.flatnonzero(table.things == name)
+        own = own[np.argsort(numbers[own], kind="stable")]
+        try:
+            return table_fall(times[numbers[own] - first], table.places[own])
+        except ShotRefusedError as error:
+            refused = refused or error
+    raise refused or ShotRefusedError("flight", "the table holds no places")
+
+
+def _picture(places: Floats, fall: TableFall, px: float) -> Floats:
+    """Return places as rows and columns of a picture in which things fall down, shape (N, 2)."""
+    beside = [axis for axis in range(places.shape[1]) if axis != fall.axis]
+    across = max(beside, key=lambda axis: float(np.ptp(places[:, axis])))
+    both = np.stack([math.copysign(px, fall.size) * places[:, fall.axis], px * places[:, across]])
+    return np.asarray((both - both.min(axis=1, keepdims=True)).T + MARGIN_RADII * RADIUS_PX)
+
+
+def _sightings(numbers: Ints, times: Floats, places: Floats) -> Sightings:
+    own: list[list[list[float]]] = [[] for _ in times]
+    for number, (row, column) in zip((numbers - numbers.min()).tolist(), places, strict=True):
+        own[number].append([row, column, 1.0])
+    height, width = np.ceil(places.max(axis=0) + MARGIN_RADII * RADIUS_PX).astype(int).tolist()
+    return Sightings(times, [np.array(each).reshape(-1, 3) for each in own], (height, width))
+
+
+def _observed(chain: Chain, times: Floats) -> Observed:
+    """Return places of the flights; of a ball that is held before or after, those are none."""
+    frames = np.concatenate([arc.frames for arc in chain.arcs])
+    places = np.concatenate([arc.places for arc in chain.arcs])
+    order = np.argsort(frames, kind="stable")
+    frames, places = frames[order], places[order]
+    sigma = max(LEAST_SIGMA_PX, float(np.median([_scatter(arc.places) for arc in chain.arcs])))
+    kept = np.ones(len(frames), dtype=bool)
+    for arc, step in ((chain.arcs[0], 1), (chain.arcs[-1], -1)):
+        own = arc.frames[::step]
+        still = rests(times[own], arc.places[::step, 0], RADIUS_PX)
+        kept &= ~np.isin(frames, own[:still])
+    sigmas = np.full((len(frames), 2), sigma)
+    return Observed(frames, times[frames], places, sigmas).of(kept)
+
+
+def _scatter(places: Floats) -> float:
+    """Return the scatter of places that a parabola leaves, by their third differences."""
+    if len(places) < 5:
+        return 0.0
+    third = np.diff(places, n=3, axis=0)
+    return float(1.4826 * np.median(np.abs(third)) / math.sqrt(20.0))
+
+
+def _known(ball: Ball, view: View, px_per_m: float | None) -> Known:
+    """Return what is known beforehand: the scale by the table's unit, or hardly any."""
+    if px_per_m is None:
+        return Known(replace(ball, diameter_sigma=SCALE_SIGMA), view, RADIUS_PX)
+    own = replace(ball, diameter_sigma=UNIT_SIGMA)
+    return Known(own, view, 0.5 * px_per_m * ball.diameter_m)
+
+
+def _no_bounce(linked: list[Chain]) -> str:
+    if not linked:
+        return "no four places of the table that follow one another fall freely"
+    frames = sum(len(arc.frames) for arc in linked[0].arcs)
+    return (
+        f"no bounce: {counted(frames, 'place')} fall freely without a second flight of four "
+        "places that meets the first"
+    )

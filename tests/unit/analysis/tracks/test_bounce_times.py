@@ -1,0 +1,81 @@
+"""Bounces that were heard: e from the times between them, with the drag of the air."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from analysis.balls.flight.known import Ball
+from analysis.balls.tracks.bounce_times import (
+    BounceTimes,
+    bounce_document,
+    is_table_of_bounces,
+    read_bounce_times,
+)
+from analysis.errors import InputError, ShotRefusedError
+from benchmarks.balls.dropping import Drop, fly
+
+PHYPHOX = (
+    '"Bounce 0 (s)","Height 0 (m)","Bounce 1 (s)","Height 1 (m)","Energy 1","Bounce 2 (s)"\n'
+    "1.5E0,4.0E-1,2.0E0,3.0E-1,7.0E-1,0.0E0\n"
+)
+
+
+def test_e_of_a_light_ball_is_that_of_its_flight_through_air() -> None:
+    ball = Ball(0.04, density=80.0)
+    drop = Drop(
+        diameter=0.04,
+        mass=80.0 * np.pi / 6 * 0.04**3,
+        drag_coefficient=0.47,
+        start=np.array([0.0, 1.0, 0.0]),
+        speed=np.zeros(3),
+        restitution=(0.9, 0.02, 1.0),
+        grip=1.0,
+    )
+    bounces = fly(drop, 3.5)[2]
+    times = np.array([bounce.time for bounce in bounces])
+    found = bounce_document(BounceTimes(times), ball)["impacts"]
+    in_vacuum = np.diff(times)[1:] / np.diff(times)[:-1]
+    assert len(found) == len(bounces) - 2 >= 3
+    for impact, bounce, without in zip(found, bounces[1:-1], in_vacuum, strict=True):
+        assert impact["e"]["value"] == pytest.approx(bounce.e, abs=2e-4)
+        assert impact["v_n"]["value"] == pytest.approx(-bounce.v_n, rel=1e-3)
+        # The air matters: without it e would be lower by more than its error.
+        assert bounce.e - without > 0.5 * impact["e"]["sigma"]
+
+
+def test_errors_of_e_are_those_of_times_that_are_heard_a_millisecond_off() -> None:
+    rng = np.random.default_rng(2)
+    # In a vacuum times between bounces are in the ratio of e.
+    true = np.cumsum([1.0, 0.6, 0.6 * 0.8, 0.6 * 0.8**2])
+    ball = Ball(0.02, density=1e6)
+    off: list[float] = []
+    for _ in range(200):
+        times = BounceTimes(true + rng.normal(0.0, 1e-3, len(true)))
+        found = [impact["e"] for impact in bounce_document(times, ball)["impacts"]]
+        off += [(e["value"] - 0.8) / e["sigma"] for e in found]
+    assert 0.85 < np.sqrt(np.mean(np.square(off))) < 1.15
+
+
+def test_bounces_of_phyphox_are_read_and_one_that_was_not_heard_is_none(tmp_path: Path) -> None:
+    path = tmp_path / "Energy.csv"
+    path.write_text(PHYPHOX)
+    assert is_table_of_bounces(path)
+    assert read_bounce_times(path).times_s.tolist() == [1.5, 2.0]
+    # The same with semicolons and decimal commas.
+    path.write_text(PHYPHOX.replace(",", ";").replace(".", ","))
+    assert read_bounce_times(path).times_s.tolist() == [1.5, 2.0]
+
+
+def test_too_few_bounces_and_bounces_out_of_order_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(ShotRefusedError, match="2 bounces heard; 3 are needed"):
+        bounce_document(BounceTimes(np.array([1.0, 2.0])), Ball(0.04))
+    path = tmp_path / "Energy.csv"
+    path.write_text("Bounce 0 (s),Bounce 1 (s)\n2.0,1.0\n")
+    with pytest.raises(InputError, match="not one after another"):
+        read_bounce_times(path)
+    path.write_text("Bounce 0 (s),Bounce 1 (s)\n2.0,far\n")
+    with pytest.raises(InputError, match="no number"):
+        read_bounce_times(path)

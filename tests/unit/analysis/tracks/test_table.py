@@ -1,0 +1,112 @@
+"""Tables of trackers: places, frames and times are those that were written."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from analysis.balls.tracks.table import read_track_table
+from analysis.errors import InputError
+
+TRACKER = "mass A\t\t\nt (s)\tx (cm)\ty (cm)\n0,0\t1,5\t2,5E1\n4,0E-2\t1,6\t2,4E1\n"
+MTRACK = (
+    "Frame,X1,Y1,Flag1,X2,Y2,Flag2\nTracks,1,to,2,,,\n7,1.5,25,,,,\n8,1.6,24,*,9,9,\n"
+    "Track,Length,Distance,,,,\n1,60.5,6.6,,,,\n"
+)
+MANUAL = (
+    " \tTrack n\u00b0\tSlice n\u00b0\tX\tY\tDistance\n1\t1\t7\t1.5\t25\t-1\n2\t1\t8\t1.6\t24\t1.2\n"
+)
+TRACKMATE = (
+    "LABEL,TRACK_ID,POSITION_X,POSITION_Y,POSITION_Z,POSITION_T,FRAME\n"
+    "Label,Track ID,X,Y,Z,T,Frame\n,,X,Y,Z,T,Frame\n,,(micron),(micron),(micron),(sec),\n"
+    "ID1,0,1.5,25,0,0.28,7\nID2,0,1.6,24,0,0.32,8\n"
+)
+TRACKPY = ",y,x,mass,frame,particle\n0,25,1.5,800,7.0,3.0\n1,24,1.6,801,8.0,3.0\n"
+DLTDV = "pt1_cam1_X,pt1_cam1_Y\nNaN,NaN\n1.5,25\n1.6,24\n"
+SPACED = "t_ms x_mm y_mm\n280 1.5 25\n320 1.6 24\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "frames", "times", "metres"),
+    [
+        pytest.param(TRACKER, [0, 1], [0.0, 0.04], 0.01, id="Tracker"),
+        pytest.param(MANUAL, [7, 8], None, None, id="ImageJ's Manual Tracking"),
+        pytest.param(TRACKMATE, [7, 8], [0.28, 0.32], 1e-6, id="TrackMate"),
+        pytest.param(TRACKPY, [7, 8], None, None, id="trackpy"),
+        pytest.param(DLTDV, [1, 2], None, None, id="DLTdv"),
+        pytest.param(SPACED, [0, 1], [0.28, 0.32], 1e-3, id="columns by name"),
+    ],
+)
+def test_a_table_gives_the_places_frames_and_times_that_its_program_wrote(
+    text: str,
+    frames: list[int],
+    times: list[float] | None,
+    metres: float | None,
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "table.csv"
+    path.write_text(text, encoding="latin-1")
+    table = read_track_table(path)
+    assert table.places[:, :2].tolist() == [[1.5, 25.0], [1.6, 24.0]]
+    assert table.frames.tolist() == frames
+    assert (None if table.times_s is None else table.times_s.tolist()) == times
+    assert table.metres == metres
+    assert table.notes == ()
+
+
+def test_two_tracks_of_one_table_are_two_things_and_what_is_below_them_is_said(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "Results.csv"
+    path.write_text(MTRACK)
+    table = read_track_table(path)
+    assert table.places.tolist() == [[1.5, 25.0], [1.6, 24.0], [9.0, 9.0]]
+    assert table.things.tolist() == ["0", "0", "1"]
+    assert table.notes == ("2 lines below the places were not read",)
+
+
+@given(
+    numbers=st.lists(
+        st.tuples(*[st.floats(-1e6, 1e6).map(lambda value: round(value, 4))] * 2), min_size=1
+    ),
+    separator=st.sampled_from(["\t", ";", ","]),
+    comma=st.booleans(),
+)
+def test_any_numbers_are_read_back_with_any_separator(
+    numbers: list[tuple[float, float]],
+    separator: str,
+    comma: bool,
+    tmp_path_factory: pytest.TempPathFactory,
+) -> None:
+    def cell(value: float) -> str:
+        return f"{value:.4f}".replace(".", "," if comma and separator != "," else ".")
+
+    rows = [separator.join(["frame", "x", "y"])]
+    rows += [separator.join([str(n), cell(x), cell(y)]) for n, (x, y) in enumerate(numbers)]
+    path = tmp_path_factory.mktemp("table") / "table.txt"
+    path.write_text("\r\n".join(rows), encoding="utf-8-sig")
+    table = read_track_table(path)
+    assert table.places.tolist() == np.array(numbers).tolist()
+    assert table.frames.tolist() == list(range(len(numbers)))
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        (b"shot,v_n\n1,2\n", "no line that names columns x and y"),
+        (b"frame,x,y\n", "no number below its names in line 1"),
+        (b"frame,x,y\n1,\0\0", "is no text"),
+        (b"", "no line that names columns x and y"),
+    ],
+)
+def test_what_is_no_table_of_places_is_refused_with_what_it_lacks(
+    content: bytes, reason: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "table.csv"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=reason):
+        read_track_table(path)

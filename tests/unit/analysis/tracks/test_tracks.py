@@ -1,0 +1,135 @@
+"""A ball in a tracker's table: e of its bounces, whichever way up and in whatever unit."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from analysis.arrays import Floats
+from analysis.balls.flight.known import Ball
+from analysis.balls.tracks.document import track_document
+from analysis.balls.tracks.fall import table_fall
+from analysis.balls.tracks.measuring import measure_track
+from analysis.balls.tracks.table import TrackTable
+from analysis.errors import ShotRefusedError
+from benchmarks.balls.dropping import GRAVITY, STEP_S, Drop, fly
+
+RATE, DIAMETER, NOISE_M = 120.0, 0.04, 3e-4
+E = 0.8
+BALL = Ball(DIAMETER, density=1000.0)
+DROP = Drop(
+    diameter=DIAMETER,
+    mass=1000.0 * math.pi / 6.0 * DIAMETER**3,
+    drag_coefficient=0.47,
+    start=np.array([0.0, 0.9, 0.0]),
+    speed=np.array([0.3, 0.0, 0.0]),
+    restitution=(E, 0.0, 1.0),
+    grip=0.8,
+)
+
+
+def flown(drop: Drop = DROP, lasts_s: float = 1.5) -> Floats:
+    """Return places across and up of a ball that bounces, frame by frame, in m with scatter."""
+    path = fly(drop, lasts_s)[1]
+    each = path[:: round(1.0 / RATE / STEP_S), :2]
+    rng = np.random.default_rng(3)
+    return np.asarray(each + rng.normal(0.0, NOISE_M, each.shape))
+
+
+def table(places: Floats, metres: float | None = None) -> TrackTable:
+    frames = np.arange(len(places), dtype=float)
+    things = np.full(len(places), "0")
+    return TrackTable(frames, frames / RATE, places, things, metres, numbered=True, notes=())
+
+
+def measured(of: TrackTable, rate: float | None = None) -> Any:
+    return track_document(measure_track(of, BALL, rate, None))
+
+
+@pytest.mark.parametrize(
+    ("turn", "unit"),
+    [
+        pytest.param([[1, 0], [0, 1]], 1.0, id="y upwards in m"),
+        pytest.param([[1, 0], [0, -1]], 1234.5, id="y downwards in pixels"),
+        pytest.param([[0, 1], [1, 0]], 39.37, id="x upwards in inches"),
+    ],
+)
+def test_e_is_that_of_the_flight_whichever_way_up_and_in_any_unit(
+    turn: list[list[int]], unit: float
+) -> None:
+    shot = measured(table(flown() @ np.array(turn) * unit))
+    assert len(shot["impacts"]) == 2
+    for impact in shot["impacts"]:
+        assert impact["e"]["value"] == pytest.approx(E, abs=4 * impact["e"]["sigma"])
+        assert impact["e"]["sigma"] < 0.01
+    # Fallen from 0.88 m, by Torricelli; the air takes less than a per cent.
+    speed = -math.sqrt(2 * GRAVITY * (0.9 - 0.5 * DIAMETER))
+    assert shot["impacts"][0]["v_n"]["value"] == pytest.approx(speed, rel=0.01)
+    scale = shot["scale_units_per_m"]["from_gravity"]
+    assert scale["value"] == pytest.approx(unit, rel=0.02)
+    assert "states no unit" in shot["notes"][0]
+
+
+def test_a_length_that_was_calibrated_wrongly_contradicts_gravity_and_leaves_e() -> None:
+    right, wrong = (measured(table(flown() * share, metres=1.0)) for share in (1.0, 1.3))
+    assert right["scale_units_per_m"]["agree"]
+    assert not wrong["scale_units_per_m"]["agree"]
+    assert any("the table's unit contradicts gravity" in note for note in wrong["notes"])
+    for shot in (right, wrong):
+        assert shot["impacts"][0]["e"]["value"] == pytest.approx(E, abs=0.01)
+
+
+def test_the_ball_is_found_among_things_that_stay_and_by_pieces_of_its_track() -> None:
+    ball = table(flown())
+    rng = np.random.default_rng(5)
+    still = rng.normal((0.5, 0.3), NOISE_M, ball.places.shape)
+    # A tracker that loses the ball at a bounce goes on with another number.
+    pieces = np.where(ball.frames < 60, "4", "9")
+    both = replace(
+        ball,
+        frames=np.concatenate([ball.frames, ball.frames]),
+        times_s=np.concatenate([ball.frames, ball.frames]) / RATE,
+        places=np.concatenate([still, ball.places]),
+        things=np.concatenate([np.full(len(still), "1"), pieces]),
+    )
+    found = [impact["e"]["value"] for impact in measured(both)["impacts"]]
+    assert found == pytest.approx([E, E], abs=0.01)
+
+
+def test_frames_keep_the_table_s_numbers_and_a_stated_rate_goes_before_its_times() -> None:
+    later = replace(table(flown()), frames=np.arange(len(flown())) + 1000.0)
+    shot = measured(replace(later, times_s=later.frames), rate=RATE)
+    first = shot["impacts"][0]
+    assert first["frame"] == pytest.approx(1000 + RATE * 0.425, abs=1.5)
+    assert first["contact_time_s"] * RATE == pytest.approx(first["frame"], abs=0.5)
+    assert min(first["frames_before"]) >= 1000
+
+
+@pytest.mark.parametrize(
+    ("times", "said"),
+    [(None, "the table has no times"), (np.arange(180.0), "times that are frame numbers")],
+)
+def test_a_table_without_times_asks_for_the_rate(times: Floats | None, said: str) -> None:
+    one = table(flown())
+    given = None if times is None else times[: len(one.frames)]
+    with pytest.raises(ShotRefusedError, match=f"{said}; state the rate with --fps"):
+        measured(replace(one, times_s=given))
+
+
+def test_a_ball_that_only_falls_has_no_bounce_and_what_rests_does_not_fall() -> None:
+    with pytest.raises(ShotRefusedError, match="without a second flight"):
+        measured(table(flown(lasts_s=0.4)))
+    still = np.random.default_rng(1).normal(0.0, NOISE_M, (200, 2))
+    with pytest.raises(ShotRefusedError, match=r"nothing in the table falls freely|no four places"):
+        measured(table(still))
+
+
+def test_the_fall_of_a_table_is_gravity_along_its_axis() -> None:
+    places = flown()
+    fall = table_fall(np.arange(len(places)) / RATE, places)
+    assert fall.axis == 1
+    assert fall.size == pytest.approx(-GRAVITY, rel=0.05)
