@@ -10,12 +10,11 @@ from analysis.balls.analysis import FilmJob
 from analysis.balls.document import Json
 from analysis.balls.tracks.bounce_times import (
     bounce_document,
-    is_table_of_bounces,
     read_bounce_times,
 )
 from analysis.balls.tracks.document import track_document
 from analysis.balls.tracks.measuring import measure_track
-from analysis.balls.tracks.table import TrackTable, read_track_table
+from analysis.balls.tracks.table import TrackTable, is_table_of_bounces, read_track_table
 from analysis.errors import ShotRefusedError
 
 PICTURE = 480, 640

@@ -7,7 +7,6 @@ time between gives the speeds at both ends, and two such times e of the bounce b
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
@@ -19,13 +18,12 @@ from scipy.optimize import brentq
 from analysis.arrays import Floats
 from analysis.balls.document import Json, unseen
 from analysis.balls.flight.known import STAY_S, Ball
-from analysis.balls.tracks.table import TABLE_SUFFIXES, read_lines, split
+from analysis.balls.tracks.table import BOUNCE, read_lines, split
 from analysis.errors import InputError, ShotRefusedError, counted
 from analysis.quantity import Quantity
 
 HEARD_S = 1e-3
 """Standard error of the time at which a bounce is heard: the loudest sample, not the first."""
-BOUNCE = re.compile(r"bounce ?(\d+)(?: ?\(s\))?", re.IGNORECASE)
 LEAST_BOUNCES = 3
 FASTEST_M_PER_S = 1e3
 STEP = 1e-4
@@ -68,17 +66,6 @@ def read_bounce_times(path: Path) -> BounceTimes:
     if not np.all(np.diff(heard) > 0):
         raise InputError(path, "has bounces that are not one after another")
     return BounceTimes(heard)
-
-
-def is_table_of_bounces(path: Path) -> bool:
-    """Return whether a file's first line names bounces."""
-    if path.suffix.lower() not in TABLE_SUFFIXES or not path.is_file():
-        return False
-    try:
-        lines = read_lines(path)
-    except InputError:
-        return False
-    return bool(lines) and re.search(r"bounce ?\d", lines[0], re.IGNORECASE) is not None
 
 
 def bounce_document(bounces: BounceTimes, ball: Ball) -> Json:

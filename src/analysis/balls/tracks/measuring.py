@@ -166,7 +166,7 @@ def _numbered(times: Floats) -> Ints:
     if len(each) < 2:
         return np.zeros(len(times), dtype=np.intp)
     step = float(np.median(np.diff(each)))
-    found = np.round((times - each[0]) / step).astype(np.intp)
+    found = np.asarray(np.round((times - each[0]) / step), dtype=np.intp)
     own = np.round((each - each[0]) / step)
     if len(np.unique(own)) == len(each) and np.abs((each - each[0]) / step - own).max() < UNEVEN:
         return found

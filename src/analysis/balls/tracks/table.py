@@ -29,6 +29,8 @@ PLACE = re.compile(r"(?:pt\d+(?:cam\d+)?|position)?([xyz])\d*")
 UNIT = re.compile(r"[\[(]\s*([a-zµ]*)\s*[\])]|[_ ](px|mm|cm|m|ms|s)$", re.IGNORECASE)
 METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "micron": 1e-6, "in": 0.0254}
 SECONDS = {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6}
+BOUNCE = re.compile(r"bounce ?(\d+)(?: ?\(s\))?", re.IGNORECASE)
+"""Names of times at which a ball was heard, as phyphox writes them."""
 NONE = {"", "nan", "na", "null", "none", "-"}
 """Cells of a frame in which nothing was found."""
 
@@ -127,6 +129,18 @@ def is_track_table(path: Path) -> bool:
     except InputError:
         return False
     return True
+
+
+def is_table_of_bounces(path: Path) -> bool:
+    """Return whether a file's first line names times at which a ball was heard."""
+    if path.suffix.lower() not in TABLE_SUFFIXES or not path.is_file():
+        return False
+    try:
+        lines = read_lines(path)
+    except InputError:
+        return False
+    cells = re.split("[\t;,]", lines[0].replace('"', "")) if lines else []
+    return any(BOUNCE.fullmatch(cell.strip()) for cell in cells)
 
 
 def read_lines(path: Path) -> list[str]:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from nicegui import events, ui
 
+from analysis.balls.tracks.table import is_table_of_bounces, is_track_table
 from rigctl.errors import RigError
 from rigctl.measuring.own_table import (
     MEANINGS,
@@ -52,6 +53,12 @@ class TableView:
                 f"{path.name}: {len(self._table.rows)} rows. Choose one column for the speed, or "
                 "the height of the fall, before each impact, and one for after it."
             ).props("data-testid=own-table")
+            if is_track_table(path) or is_table_of_bounces(path):
+                ui.label(
+                    "It looks like a tracker's places, or times of bounces: rigctl analyse "
+                    f"{path.name} --ball-diameter-mm 40 --fps 240 --out drops, with your ball and "
+                    "rate, measures e of its bounces; drop the folder drops here as a ZIP."
+                ).classes("note").props("data-testid=own-track")
             self._preview()
         with ui.element("section").classes("panel"):
             self._bodies()

@@ -11,9 +11,9 @@ from analysis.balls.flight.known import Ball
 from analysis.balls.tracks.bounce_times import (
     BounceTimes,
     bounce_document,
-    is_table_of_bounces,
     read_bounce_times,
 )
+from analysis.balls.tracks.table import is_table_of_bounces
 from analysis.errors import InputError, ShotRefusedError
 from benchmarks.balls.dropping import Drop, fly
 
