@@ -12,6 +12,7 @@ from analysis.balls.carried import NotFlyingError, OtherFallError, TurningError
 from analysis.balls.films.fields import FieldsFilm, InterlacedError
 from analysis.balls.films.film import Film, FilmHead
 from analysis.balls.films.part import Cut, PartOfFilm
+from analysis.balls.films.raw import RawLayout
 from analysis.balls.films.reading import open_film
 from analysis.balls.films.steady import ShakenError, SteadyFilm
 from analysis.balls.flight.known import Ball
@@ -44,6 +45,8 @@ class FilmJob:
         Part of the film to look at; None: all of it.
     lens
         Its distortion is taken out of the pictures; None: they are taken as they are.
+    raw
+        Pictures of a film without a header.
     """
 
     shot: int
@@ -53,6 +56,7 @@ class FilmJob:
     exposure_s: float | None = None
     cut: Cut | None = None
     lens: Lens | None = None
+    raw: RawLayout | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,7 +79,7 @@ def analyse_film(job: FilmJob) -> AnalysedFilm:
         It has no times, or nothing in it is a ball in flight; `NotFlyingError` has the places of a
         ball that is seen and does not fly.
     """
-    film: Film = open_film(job.path)
+    film: Film = open_film(job.path, job.raw)
     try:
         return _analysed(film, job)
     except InterlacedError:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from analysis.balls.analysis import FilmJob
 from analysis.balls.films.part import Cut
+from analysis.balls.films.raw import RawLayout
 from analysis.balls.films.reading import film_of_shot
 from analysis.balls.flight.known import Ball
 from analysis.balls.lens.lens import read_lens
@@ -41,6 +42,8 @@ class Stated:
         lens.toml of the camera; None: pictures are taken as they are.
     setup
         campaign.toml for films that lie in no campaign's folder.
+    raw
+        Pictures of films without a header.
     """
 
     diameter_mm: float | None = None
@@ -50,6 +53,7 @@ class Stated:
     cut: Cut | None = None
     lens: Path | None = None
     setup: Path | None = None
+    raw: RawLayout | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,6 +156,7 @@ def _job(number: int, path: Path, ball: Ball, stated: Stated) -> FilmJob:
         exposure_s=None if exposure is None else 1e-6 * exposure,
         cut=stated.cut,
         lens=None if stated.lens is None else read_lens(stated.lens),
+        raw=stated.raw,
     )
 
 

@@ -13,6 +13,7 @@ from cv2.typing import MatLike
 from analysis.arrays import Floats
 from analysis.balls.films.film import HELD_BYTES, Film, FilmHead, Picture, Readout, spread_frames
 from analysis.balls.films.high_speed import FRAMES_SUFFIX, HEADER_SUFFIXES, CineFilm, PhotronFilm
+from analysis.balls.films.raw import EXAMPLE, RAW_FILM_SUFFIX, RawFilm, RawLayout
 from analysis.balls.films.stacks import TIFF_SUFFIXES, PictureFolder, PictureStack, read_npy_frames
 from analysis.errors import InputError, counted
 from analysis.files import FrameBudget
@@ -143,8 +144,8 @@ READ_SUFFIXES = (*TIFF_SUFFIXES, ".npy", PNG_SUFFIX, *VIDEO_SUFFIXES, CINE_SUFFI
 FILM_SUFFIXES = (*TIFF_SUFFIXES, ".npy", *VIDEO_SUFFIXES, CINE_SUFFIX, *PHOTRON_SUFFIXES)
 
 
-def open_film(path: Path) -> Film:
-    """Open a film by what its name says that it is.
+def open_film(path: Path, raw: RawLayout | None = None) -> Film:
+    """Open a film by what its name says that it is; `raw` are pictures of one without a header.
 
     Raises
     ------
@@ -159,20 +160,22 @@ def open_film(path: Path) -> Film:
     try:
         if path.is_dir():
             return PictureFolder(path)
-        if suffix in TIFF_SUFFIXES:
-            return PictureStack(path, read_tiff)
-        if suffix == ".npy":
-            return PictureStack(path, read_npy_frames)
+        if suffix in (*TIFF_SUFFIXES, ".npy"):
+            return PictureStack(path, read_npy_frames if suffix == ".npy" else read_tiff)
         if suffix in VIDEO_SUFFIXES:
             return VideoFilm(path)
         if suffix == CINE_SUFFIX:
             return CineFilm(path)
         if suffix in PHOTRON_SUFFIXES:
             return PhotronFilm(path)
+        if suffix == RAW_FILM_SUFFIX and raw is not None:
+            return RawFilm(path, raw)
         if suffix == PNG_SUFFIX:
             refuse_single(path)
     except OSError as error:
         raise InputError(path, f"cannot be read: {error.strerror or error}") from error
+    if suffix == RAW_FILM_SUFFIX:
+        raise InputError(path, f"has no header; state its pictures with --raw {EXAMPLE}")
     kinds = ", ".join(FILM_SUFFIXES)
     raise InputError(path, f"films are read from {kinds}, or a folder of PNG or TIFF pictures")
 

@@ -27,7 +27,7 @@ from analysis.imaging.files.tiff_file import read_tiff
 MOSAIC, GREY = 32803, (0, 1, 34892)
 """Photometric interpretations of what is read (DNG specification 1.6)."""
 PREVIEW = 1
-_PATTERNS = {
+BAYER = {
     (0, 1, 1, 2): cv2.COLOR_BayerBG2BGR,
     (1, 0, 2, 1): cv2.COLOR_BayerGB2BGR,
     (1, 2, 0, 1): cv2.COLOR_BayerGR2BGR,
@@ -55,7 +55,7 @@ def read_dng(file: Path, budget: FrameBudget) -> NDArray[np.generic]:
         return page[..., 2::-1]
     if kind in GREY or page.ndim == 3:
         return page
-    if kind != MOSAIC or pattern not in _PATTERNS or page.dtype not in (np.uint8, np.uint16):
+    if kind != MOSAIC or pattern not in BAYER or page.dtype not in (np.uint8, np.uint16):
         raise InputError(
             file,
             f"photometric interpretation {kind}, colours {pattern}, {page.dtype} values; read are "
@@ -64,7 +64,7 @@ def read_dng(file: Path, budget: FrameBudget) -> NDArray[np.generic]:
     if min(page.shape) < 4:
         raise InputError(file, f"holds a mosaic of shape {page.shape}; 4 x 4 are needed at least")
     mosaic = cast("Picture", np.ascontiguousarray(page, dtype=page.dtype.newbyteorder("=")))
-    return np.asarray(cv2.demosaicing(mosaic, _PATTERNS[pattern]))
+    return np.asarray(cv2.demosaicing(mosaic, BAYER[pattern]))
 
 
 def read_exposure(file: Path) -> float | None:

@@ -189,6 +189,10 @@ def analyse(
         Path | None,
         typer.Option(help="Lens of a ball's film: lens.toml of `rigctl calibrate --board`."),
     ] = None,
+    raw: Annotated[
+        str | None,
+        typer.Option(help="Pictures of a .raw film: width x height x bits, 1280x1024x12."),
+    ] = None,
     figure: Annotated[
         Path | None, typer.Option(help="A picture of a ball's film with flights and bounces.")
     ] = None,
@@ -218,6 +222,7 @@ def analyse(
             window=roi,
             frames=frames,
             lens=lens,
+            raw=raw,
             figure=figure,
             out=out,
         )
@@ -230,6 +235,7 @@ def analyse(
         "--roi": roi,
         "--frames": frames,
         "--lens": lens,
+        "--raw": raw,
         "--figure": figure,
     }
     refuse_options_of_a_ball(of_a_ball)

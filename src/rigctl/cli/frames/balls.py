@@ -16,6 +16,7 @@ from analysis.balls.analysis import AnalysedFilm, FilmJob, analyse_film
 from analysis.balls.carried import NotFlyingError
 from analysis.balls.document import Json, ball_document, positions
 from analysis.balls.films.part import Cut
+from analysis.balls.films.raw import EXAMPLE, RawLayout
 from analysis.balls.tracks.analysis import analyse_table
 from analysis.balls.tracks.table import TABLE_SUFFIXES
 from analysis.errors import InputError, ShotRefusedError
@@ -55,6 +56,8 @@ class BallRequest:
         lens.toml of the camera; None: pictures are taken as they are.
     figure
         File for a picture of the film; of several films, each has its number in the name.
+    raw
+        `WxHxBITS`: pictures of films without a header.
     out
         Folder for campaign.toml, shots.csv and poses.csv: each film is a shot there.
     """
@@ -69,6 +72,7 @@ class BallRequest:
     frames: str | None = None
     lens: Path | None = None
     figure: Path | None = None
+    raw: str | None = None
     out: Path | None = None
 
 
@@ -102,6 +106,7 @@ def analyse_balls(request: BallRequest, *, as_json: bool) -> None:
         cut=_cut(request),
         lens=request.lens,
         setup=request.setup,
+        raw=_layout(request.raw),
     )
     with as_analysis_errors():
         films = ball_films(request.paths, stated)
@@ -227,6 +232,19 @@ def _cut(request: BallRequest) -> Cut | None:
             ) from error
         window = (x, y, w, h)
     return Cut(first, last, window)
+
+
+def _layout(said: str | None) -> RawLayout | None:
+    try:
+        return None if said is None else RawLayout.of(said)
+    except ValueError as error:
+        raise SettingsError(
+            "is no picture",
+            part="--raw",
+            value=repr(said),
+            limit="width, height and 12 or 16 bits of a pixel",
+            todo=f"state it like {EXAMPLE}",
+        ) from error
 
 
 def _write(folder: Path, name: str, films: Films, shots: Sequence[Json]) -> None:

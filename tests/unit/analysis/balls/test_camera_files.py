@@ -11,6 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 from analysis.balls.films.part import Cut, PartOfFilm
+from analysis.balls.films.raw import RawLayout
 from analysis.balls.films.reading import open_film
 from analysis.errors import InputError
 
@@ -187,6 +188,43 @@ def test_a_ball_that_a_file_states_to_be_squeezed_is_round_in_its_pictures(tmp_p
     assert "3 wide to 2 high" in film.head.notes[0]
     rows, columns = np.nonzero(next(iter(film.pictures()))[..., 0] > 127)
     assert np.ptp(columns) == pytest.approx(np.ptp(rows), abs=2)
+
+
+def test_a_film_without_a_header_holds_the_pixels_that_a_chronos_packed(tmp_path: Path) -> None:
+    path = tmp_path / "film.raw"
+    # 0x123 and 0xabc, twice: two pictures of two pixels.
+    path.write_bytes(bytes.fromhex("231cab" * 2))
+    film = open_film(path, RawLayout.of("2x1x12"))
+    assert [picture.ravel().tolist() for picture in film.pictures()] == [[0x123, 0xABC]] * 2
+    path.write_bytes(np.arange(8, dtype="<u2").tobytes())
+    pictures = list(open_film(path, RawLayout.of("4x1x16")).pictures())
+    assert [picture.ravel().tolist() for picture in pictures] == [[0, 1, 2, 3], [4, 5, 6, 7]]
+
+
+def test_a_mosaic_without_a_header_has_the_colours_that_are_stated(tmp_path: Path) -> None:
+    path = tmp_path / "film.raw"
+    mosaic = np.zeros((8, 8), "<u2")
+    mosaic[1::2, 0::2] = 900
+    path.write_bytes(mosaic.tobytes())
+    (picture,) = open_film(path, RawLayout.of("8x8x16:GBRG")).pictures()
+    # Red alone is lit: blue, green, red.
+    assert picture[2:6, 2:6].max(axis=(0, 1)).tolist() == [0, 0, 900]
+
+
+def test_a_film_without_a_header_asks_for_its_pictures_and_refuses_a_part_of_one(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "film.raw"
+    path.write_bytes(bytes(100))
+    with pytest.raises(InputError, match="state its pictures with --raw"):
+        open_film(path)
+    with pytest.raises(
+        InputError, match="100 bytes are 4 pictures of 4 x 4 pixels of 12 bits and 4"
+    ):
+        open_film(path, RawLayout.of("4x4x12"))
+    for said in ("4x4x10", "0x4x16", "3x3x12", "4x4x16:RRRR", "film"):
+        with pytest.raises(ValueError, match=said):
+            RawLayout.of(said)
 
 
 def test_pictures_of_sixteen_bits_keep_their_numbers(
