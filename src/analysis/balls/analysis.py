@@ -9,6 +9,7 @@ import numpy as np
 
 from analysis.arrays import Floats
 from analysis.balls.carried import NotFlyingError, OtherFallError, TurningError
+from analysis.balls.films.distinct import DistinctFilm
 from analysis.balls.films.fields import FieldsFilm, InterlacedError
 from analysis.balls.films.film import Film, FilmHead
 from analysis.balls.films.part import Cut, PartOfFilm
@@ -19,6 +20,7 @@ from analysis.balls.flight.known import Ball
 from analysis.balls.lens.lens import Lens, StraightFilm
 from analysis.balls.measuring import MeasuredBall, measure_ball
 from analysis.balls.remarks import remarks
+from analysis.balls.seen.repeats import BroughtToRateError
 from analysis.errors import ShotRefusedError
 
 TURNS = {2: "stands upside down", 1: "lies on its side", 3: "lies on its side"}
@@ -138,6 +140,12 @@ def analyse_held(film: Film, times: Floats, ball: Ball, exposure: float | None) 
         steady = SteadyFilm(film)
         found = analyse_held(steady, times, ball, exposure)
         return replace(found, notes=(steady.note, *found.notes))
+    except BroughtToRateError as brought:
+        rhythm = brought.rhythm
+        again = rhythm.repeats(film.head.frames)
+        once = DistinctFilm(film, again, (rhythm.pictures, rhythm.frames), times)
+        found = analyse_held(once, once.times_s, ball, exposure)
+        return replace(found, notes=(once.note, *found.notes))
     except (TurningError, OtherFallError) as refusal:
         refusal.placed = refusal.place(film)
         raise

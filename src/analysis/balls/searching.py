@@ -33,6 +33,7 @@ from analysis.balls.seen.looks import (
     noise_of,
     weight,
 )
+from analysis.balls.seen.repeats import refuse_brought_to_rate, repeated
 from analysis.balls.seen.surroundings import Surroundings
 from analysis.balls.seen.turning import turning_ball
 from analysis.errors import ShotRefusedError, counted
@@ -49,12 +50,6 @@ NEAR_RADII = 0.5
 AS_STRONG, HARDLY_SEEN = 0.7, 0.4
 """Of a response: what is seen while the ball flies elsewhere and is the same thing; of the ball's
 mean response in its flights: what is none."""
-HARDLY, LEAST_STEP_PX = 0.15, 2.0
-"""Share of the steps beside it that the disc of a picture shown twice moves at most, and the least
-of these steps, px."""
-SLOW, FAST_QUANTILE = 0.15, 0.9
-"""Of the ball's fast steps: it moves by less in the frames beside one in which it rests or is at
-the top of a flight."""
 
 
 def search(film: Film, times_s: Floats, ball: Ball, *, complete: bool = False) -> Search:
@@ -72,7 +67,7 @@ def search(film: Film, times_s: Floats, ball: Ball, *, complete: bool = False) -
     ShotRefusedError
         Too few frames, nothing round that moves, or nothing of it flies freely; `TurningError` of a
         ball that only turns; `InterlacedError` where two pictures are in one; `ShakenError` where
-        the camera moves.
+        the camera moves; `BroughtToRateError` where pictures are repeated in a rhythm.
     """
     if film.head.frames < LEAST_FRAMES:
         raise ShotRefusedError(
@@ -152,8 +147,9 @@ def _searches(
         return
     all_seen, gains = _seen(film, sought, *samples)
     for looks, (places, about) in zip(sought, all_seen, strict=True):
-        repeated = _repeated(places)
-        for frame in repeated:
+        refuse_brought_to_rate(places, times_s)
+        twice = repeated(places)
+        for frame in twice:
             places[frame] = places[frame][:0]
         seen = Sightings(times_s, places, (film.head.height, film.head.width))
         stated = np.array([ball.gravity * 2 * looks.radius_px / ball.diameter_m, 0.0])
@@ -174,7 +170,7 @@ def _searches(
         beyond = _unexplained(seen, linked, chain, looks.radius_px)
         odd = bool(fall[0] != stated[0])
         known = seen.times_s, gaps
-        yield Search(looks, chain, fall, others, beyond, repeated, gains, about, odd, *known)
+        yield Search(looks, chain, fall, others, beyond, twice, gains, about, odd, *known)
 
 
 def _evened(samples: dict[int, Picture], head: FilmHead) -> tuple[dict[int, Picture], Picture]:
@@ -244,55 +240,6 @@ def _round(chain: Chain, looks: Looks) -> bool:
         for own, disc in looks.seen
         if own == frame
     )
-
-
-def _repeated(places: Sequence[Floats]) -> tuple[int, ...]:
-    """Return frames that show the picture before them once more.
-
-    All that is seen in such a frame is where it was, to the bit. Where a codec has coded the second
-    picture anew, the surest disc has moved by a small share of its steps before and after, which
-    point the same way: at the top of a flight and on the plate they do not. A codec skips a ball
-    that is held, or at the top of a flight, too: what says that pictures are shown twice is a ball
-    that moves before and after.
-    """
-    middle = np.array([p[0, :2] if len(p) else (np.nan, np.nan) for p in places]).reshape(-1, 2)
-    steps = np.diff(middle, axis=0)
-    sizes = np.hypot(*steps.T)
-    beside = np.minimum(sizes[:-2], sizes[2:])
-    onward = (steps[:-2] * steps[2:]).sum(axis=1) > 0
-    hardly = (sizes[1:-1] < HARDLY * beside) & (beside > LEAST_STEP_PX) & onward
-    nearly = {2 + int(k) for k in np.flatnonzero(hardly)}
-    again = [
-        k
-        for k in range(1, len(places))
-        if len(places[k]) and np.array_equal(places[k], places[k - 1])
-    ]
-    if not nearly and not _moves_beside(again, sizes):
-        return ()
-    return tuple(sorted({*again, *nearly}))
-
-
-def _moves_beside(again: Sequence[int], sizes: Floats) -> bool:
-    """Return whether a ball moves before and after some pictures that repeat the one before.
-
-    Parameters
-    ----------
-    again
-        Frames of these pictures.
-    sizes
-        Of its steps from each frame to the next, px; nan where it is not seen.
-    """
-    least = SLOW * np.nanquantile(sizes, FAST_QUANTILE) if np.isfinite(sizes).any() else np.inf
-    for k in again:
-        first = last = k
-        while first - 1 in again:
-            first -= 1
-        while last + 1 in again:
-            last += 1
-        # Step n goes from frame n to frame n + 1.
-        if first >= 2 and last < len(sizes) and min(sizes[first - 2], sizes[last]) > least:
-            return True
-    return False
 
 
 def _unexplained(

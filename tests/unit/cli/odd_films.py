@@ -135,6 +135,20 @@ def frames_twice(*, off_px: float = 0.0) -> tuple[list[Drawn], list[int]]:
     return shown, twice
 
 
+def brought_to_rate(pictures: int, frames: int, *, off_px: float = 0.0) -> list[Drawn]:
+    """Draw a film of which each so many frames show so many pictures, which are evenly spaced.
+
+    Parameters
+    ----------
+    off_px
+        By which a codec has moved the ball in a picture that is shown once more.
+    """
+    rows = bouncing()
+    which = [k * pictures // frames for k in range(len(rows) * frames // pictures)]
+    again = [k > 0 and which[k] == which[k - 1] for k in range(len(which))]
+    return [picture(rows[n] + off_px * twice) for n, twice in zip(which, again, strict=True)]
+
+
 def frames_missing(first: int, count: int) -> list[Drawn]:
     """Draw a film without some of its frames."""
     shown = [picture(row) for row in bouncing(150)]

@@ -193,6 +193,20 @@ def test_a_picture_that_a_codec_has_coded_anew_is_the_one_before_it_all_the_same
     assert is_true(shot["impacts"][0], 0.8)
 
 
+@pytest.mark.parametrize(("pictures", "frames", "off_px"), [(4, 5, 0.15), (1, 2, 0.0)])
+def test_a_film_that_was_brought_to_another_rate_is_measured_at_its_camera_s(
+    pictures: int, frames: int, off_px: float, tmp_path: Path, capsys: Capsys
+) -> None:
+    """As from 24 to 30 frames/s, and from 30 to 60."""
+    drawn = odd_films.brought_to_rate(pictures, frames, off_px=off_px)
+    shot = analysed(drawn, tmp_path, capsys, rate=round(RATE * frames / pictures))
+    note = said(shot, f"each {frames} frames show {pictures} picture")
+    assert f"its 100 pictures are measured as {RATE:.0f} a second" in note
+    assert not any("once more (" in each for each in shot["notes"])
+    assert is_true(shot["impacts"][0], 0.8)
+    assert len(shot["positions"]["frame"]) > 90
+
+
 @pytest.mark.parametrize(
     ("first", "count"),
     [
