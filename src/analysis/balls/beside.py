@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +44,14 @@ def edges(measured: MeasuredBall) -> Iterator[str]:
     ]
     for a, b in gaps:
         yield f"the ball is not seen between frames {a} and {b}: it is hidden or out of the picture"
+    for bounce, (before, after) in enumerate(pairwise(chain.arcs), start=1):
+        a, b = int(before.frames[-1]), int(after.frames[0])
+        if b - a > LEAST_PLACES:
+            yield (
+                f"the ball is not followed from frame {a + 1} to frame {b - 1}, about bounce "
+                f"{bounce}, between {place_of(before, -1)[3:]} and {place_of(after, 0)[3:]}: it is "
+                "hidden, or looks otherwise there; these frames have no place"
+            )
 
 
 def _goes_out(measured: MeasuredBall, arc: Arc, index: int) -> bool:

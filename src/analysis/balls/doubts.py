@@ -15,6 +15,8 @@ from analysis.balls.flight.lost import MOST_E, MOST_SCATTER_PX
 from analysis.balls.gaps import period_of
 from analysis.balls.measuring import MeasuredBall, coefficient
 
+NOTED_CHI2 = 9.0
+"""Mean square of the residuals in errors, from which on it is said."""
 UNSURE_E = 1e-3
 """Change of e by frames that may be missing, from which on it is said."""
 UNSETTLED_E = 0.01
@@ -62,6 +64,13 @@ def _far_from_flights(flights: Flights) -> Iterator[str]:
         times = flights.chi2_per_dof**0.5
         far = f"lie {times:.0f} times further from free flights than each is uncertain"
     else:
+        if flights.chi2_per_dof > NOTED_CHI2:
+            off = np.sqrt(np.mean(flights.residuals[flights.used] ** 2))
+            yield (
+                f"places scatter by {off:.2g} px about free flights, "
+                f"{flights.chi2_per_dof**0.5:.0f} times as far as the light of each picture says: "
+                "a codec, shading, seams or blotches move them; errors are as wide as the scatter"
+            )
         return
     off = np.where(flights.used, np.hypot(*flights.residuals.T), 0.0)
     worst = int(np.argmax(off))

@@ -116,3 +116,28 @@ def test_a_mass_that_is_not_stated_is_asked_for_where_e_is_unsure_for_it() -> No
         assert flights is not None
         told = remarks(film_of(seen.places, 0, np.zeros((0, 3)), len(seen.frames), flights))
         assert any("state the mass" in each for each in told) == asked
+
+
+def test_frames_about_a_bounce_in_which_the_ball_is_not_followed_are_said() -> None:
+    rows = np.column_stack([PLATE - 3.0 * np.abs(np.arange(-30.0, 30.0)), np.full(60, 100.0)])
+    seen = film_of(rows, 0, np.zeros((0, 3)), 60)
+    (whole,) = seen.chain.arcs
+    for first, after, told in ((24, 36, True), (29, 31, False)):
+        arcs = whole.part(0, first), whole.part(after, 60)
+        chain = Chain(arcs, np.array([30 / RATE]), np.array([[PLATE, 100.0]]))
+        found = remarks(replace(seen, search=replace(seen.search, chain=chain)))
+        own = [each for each in found if "not followed" in each]
+        assert len(own) == told
+        assert not told or "from frame 24 to frame 35, about bounce 1" in own[0]
+
+
+def test_places_that_scatter_far_more_than_each_is_uncertain_are_said() -> None:
+    seen = parabolas(np.random.default_rng(4), noise=0.1)
+    for stated, told in ((0.02, True), (0.1, False)):
+        one = replace(seen, sigmas=np.full(seen.places.shape, stated))
+        flights = fit_flights(one, start(), known())
+        assert flights is not None
+        found = remarks(film_of(one.places, 0, np.zeros((0, 3)), len(one.frames), flights))
+        own = [each for each in found if "times as far as the light" in each]
+        assert len(own) == told
+        assert not told or "px about free flights, 5 times as far" in own[0]
