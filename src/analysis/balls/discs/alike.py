@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.arrays import Floats, Singles
-from analysis.balls.discs.gradient import SIGMA_PX, derivatives, edge_threshold, gradient_field
+from analysis.balls.discs.gradient import Ground
 from analysis.balls.discs.judging import SAMPLE_PX, log_binomial_tail
 from analysis.compiled import compiled, part
 
@@ -76,13 +76,18 @@ class _Steps:
     chance: float
 
 
-def circles(values: Singles, known: Floats, others: Floats, tests: float) -> Floats:
+def shrunk(known: Floats) -> float:
+    """Return the factor by which a picture is smaller in which discs like known ones are sought."""
+    return max(1.0, float(np.median(known[:, 2])) / RADIUS_PX)
+
+
+def circles(ground: Ground, known: Floats, others: Floats, tests: float) -> Floats:
     """Return circles whose rims are like those of known discs of about the same radius.
 
     Parameters
     ----------
-    values
-        Shape (rows, columns, channels).
+    ground
+        Of the picture, smaller by the factor of `shrunk`.
     known, others
         Rows, columns and radii of the discs that the circles are like, and of all that are known,
         shapes (M, 3) and (N, 3).
@@ -94,11 +99,11 @@ def circles(values: Singles, known: Floats, others: Floats, tests: float) -> Flo
     Row, column, radius, log10 of false alarms, share of the rim that is seen; shape (K, 5).
     """
     radius = float(np.median(known[:, 2]))
-    factor = max(1.0, radius / RADIUS_PX)
-    steps = _steps(values, factor, _inward(known, factor), _inward(others, factor))
+    factor = ground.factor
+    steps = _steps(ground, _inward(known, factor), _inward(others, factor))
     every = np.ones_like(steps.free)
     own = np.array(
-        [_seen(steps.field, every, each, steps.noise) for each in _inward(known, factor)]
+        [_seen_about(steps.field, every, each, steps.noise) for each in _inward(known, factor)]
     )
     whole = float(np.median(own[:, 2]))
     found = []
@@ -108,7 +113,7 @@ def circles(values: Singles, known: Floats, others: Floats, tests: float) -> Flo
         best[3] = APART * best[3] + tests
         # One whose radius would go on beyond is a disc of another size.
         inside = abs(best[2] / start[2] - 1.0) < MOST_INSIDE
-        sectors = _seen(steps.field, steps.free, best[:3], steps.noise)[3]
+        sectors = _seen_about(steps.field, steps.free, best[:3], steps.noise)[3]
         seen = best[4] > AS_WHOLE * whole and sectors > _of_sides(best[2])
         if inside and seen and best[3] < LIKELY:
             found.append(
@@ -132,31 +137,17 @@ def _inward(discs: Floats, factor: float) -> Floats:
     return np.column_stack([(discs[:, :2] + 0.5) / factor - 0.5, discs[:, 2] / factor])
 
 
-def _steps(values: Singles, factor: float, known: Floats, others: Floats) -> _Steps:
-    small = values
-    if factor > 1.0:
-        size = tuple(max(8, round(side / factor)) for side in values.shape[1::-1])
-        small = np.atleast_3d(cv2.resize(values, size, interpolation=cv2.INTER_AREA))
-    down, right = derivatives(np.ascontiguousarray(small), SIGMA_PX)
-    size_of = np.sqrt(((down.astype(np.float64)) ** 2 + right**2).sum(axis=2))
-    calm = size_of < edge_threshold(gradient_field(small, SIGMA_PX)[0])
-    changes = np.concatenate([down[calm], right[calm]]).astype(np.float64)
-    spread = changes.T @ changes / max(1, len(changes))
-    spread += (1e-3 * np.trace(spread) + 1e-12) * np.eye(len(spread)) / len(spread)
+def _steps(ground: Ground, known: Floats, others: Floats) -> _Steps:
+    down, right = ground.down, ground.right
     step = np.median([_step(down, right, each) for each in known], axis=0)
     # In colours in which the calm ground changes equally, those of the step and across it.
-    whitened = np.linalg.inv(np.linalg.cholesky(spread))
+    whitened = np.linalg.inv(np.linalg.cholesky(ground.spread))
     large = float(np.linalg.norm(whitened @ step)) + 1e-12
     axes, _ = np.linalg.qr(np.column_stack([whitened @ step, np.eye(len(step))[:, 1:]]))
     axes[:, 0] = whitened @ step / large
-    colours = (whitened.T @ axes / large).astype(np.float32)
-    parts = np.stack([down @ colours, right @ colours], axis=3)
-    field = np.concatenate(
-        [parts.reshape(*parts.shape[:2], -1), np.zeros((*parts.shape[:2], 1))], axis=2
-    )
-    field = np.ascontiguousarray(np.moveaxis(field, 2, 0), np.float32)
+    field = _in_colours(down, right, (whitened.T @ axes / large).astype(np.float32))
     _fill_ridge(field)
-    taken = np.zeros(small.shape[:2], np.uint8)
+    taken = np.zeros(down.shape[:2], np.uint8)
     for row, column, radius in others.tolist():
         width = max(1, round(2.0 * max(1.5, 0.05 * radius)))
         cv2.circle(taken, (round(column), round(row)), max(1, round(radius)), 1.0, thickness=width)
@@ -164,6 +155,22 @@ def _steps(values: Singles, factor: float, known: Floats, others: Floats) -> _St
     return _Steps(
         field, free, NOISE / large, max(LEAST_CHANCE, _chance(field, free, NOISE / large))
     )
+
+
+@compiled
+def _in_colours(
+    down: NDArray[np.float32], right: NDArray[np.float32], colours: NDArray[np.float32]
+) -> NDArray[np.float32]:
+    """Return changes in other colours, row and column of each in turn, and room for the ridge."""
+    rows, columns, channels = down.shape
+    field = np.zeros((2 * channels + 1, rows, columns), np.float32)
+    for c in range(channels):
+        for i in range(rows):
+            for j in range(columns):
+                for k in range(channels):
+                    field[2 * c, i, j] += down[i, j, k] * colours[k, c]
+                    field[2 * c + 1, i, j] += right[i, j, k] * colours[k, c]
+    return field
 
 
 def _step(down: Singles, right: Singles, circle: Floats) -> Floats:
@@ -219,26 +226,45 @@ def _chance(field: NDArray[np.float32], free: NDArray[np.bool_], noise: float) -
 
 
 @compiled
+def _seen_about(
+    field: NDArray[np.float32], free: NDArray[np.bool_], circle: NDArray[np.float64], noise: float
+) -> tuple[int, int, float, float]:
+    """Return free samples of a rim, those that look like one, and shares of samples and sectors."""
+    return _seen(field, free, circle, noise, _turns(circle[2]))
+
+
+@part
+def _turns(radius: float) -> NDArray[np.float64]:
+    """Return the directions (row, column) of a rim's samples from its centre, shape (N, 2)."""
+    wanted = max(12, int(2.0 * math.pi * radius / SAMPLE_PX))
+    turns = np.empty((wanted, 2))
+    for k in range(wanted):
+        turn = 2.0 * math.pi * k / wanted
+        turns[k, 0], turns[k, 1] = math.sin(turn), math.cos(turn)
+    return turns
+
+
+@part
 def _seen(
     field: NDArray[np.float32],
     free: NDArray[np.bool_],
     circle: NDArray[np.float64],
     noise: float,
+    turns: NDArray[np.float64],
 ) -> tuple[int, int, float, float]:
-    """Return free samples of a rim, those that look like one, and shares of samples and sectors."""
+    """Return what `_seen_about` does, from directions that circles of one radius share."""
     row, column, radius = circle
-    wanted = max(12, int(2.0 * math.pi * radius / SAMPLE_PX))
+    wanted = len(turns)
     most = max(OFF_PX, OFF_RADII * radius)
     samples = hits = full = 0
     last = -1
     for k in range(wanted):
-        turn = 2.0 * math.pi * k / wanted
-        u, v = math.sin(turn), math.cos(turn)
+        u, v = turns[k]
         i, j = round(row + radius * u), round(column + radius * v)
         if i < 0 or j < 0 or i >= free.shape[0] or j >= free.shape[1] or not free[i, j]:
             continue
         samples += 1
-        if not _is_rim(field, (i, j), u, v, noise):
+        if field[-1, i, j] == NOWHERE or not _is_rim(field, (i, j), u, v, noise):
             continue
         size = math.sqrt(field[0, i, j] ** 2 + field[1, i, j] ** 2)
         along = field[-1, i, j] / size
@@ -260,10 +286,11 @@ def _shares(
     rows, columns = (free.shape[0] - 1) // GRID_PX + 1, (free.shape[1] - 1) // GRID_PX + 1
     shares = np.zeros((rows, columns), np.float32)
     circle = np.array([0.0, 0.0, radius])
+    turns = _turns(radius)
     for i in range(rows):
         for j in range(columns):
             circle[0], circle[1] = GRID_PX * i, GRID_PX * j
-            shares[i, j] = _seen(field, free, circle, noise)[2]
+            shares[i, j] = _seen(field, free, circle, noise, turns)[2]
     return shares
 
 
@@ -340,7 +367,7 @@ def _sureness(
     chance: float,
 ) -> NDArray[np.float64]:
     """Return log10 of the chance of a rim that is seen so far, and its share that is seen."""
-    samples, hits, share, _ = _seen(field, free, circle, noise)
+    samples, hits, share, _ = _seen(field, free, circle, noise, _turns(circle[2]))
     found = np.zeros(2)
     if hits > 0:
         found[0] = log_binomial_tail(samples, hits, chance)

@@ -15,6 +15,9 @@ LIKE_RADIUS = 1.08
 """Discs whose radii differ by less than this factor are alike."""
 PRINT = 0.45
 """A disc on a larger one, smaller than this share of it, is its gloss or a print."""
+CLOSE, SURE_CLOSE = 0.55, -12.0
+"""Two circles nearer than this share of the larger radius, of which the less sure one has a larger
+log10 of false alarms than this, are one thing's that is no circle: a ball with its shadow."""
 WITHIN = 1.05
 """In radii: a circle within another reaches no further."""
 
@@ -67,6 +70,13 @@ def one(a: Disc, b: Disc) -> bool:
     # A ring within a sphere is its gloss, core or print.
     ring = apart < SAME_RING * radius
     return ring or (alike and apart < SAME_CENTRE * radius)
+
+
+def doubled(unsure: Disc, other: Disc) -> bool:
+    """Return whether a circle is a second one through a thing that another one goes through."""
+    apart = math.hypot(unsure.row - other.row, unsure.column - other.column)
+    close = apart < CLOSE * max(unsure.radius, other.radius)
+    return close and unsure.log_alarms > SURE_CLOSE
 
 
 def touch(a: Disc, b: Disc) -> bool:

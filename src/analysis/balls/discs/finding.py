@@ -11,15 +11,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.arrays import Floats, Singles
-from analysis.balls.discs.alike import circles
-from analysis.balls.discs.disc import LIKE_RADIUS, Disc, holds, on, one, same_rim, touch, within
+from analysis.balls.discs.alike import circles, shrunk
+from analysis.balls.discs.disc import (
+    LIKE_RADIUS,
+    Disc,
+    doubled,
+    holds,
+    on,
+    one,
+    same_rim,
+    touch,
+    within,
+)
 from analysis.balls.discs.gradient import (
     RADIUS_STEP,
     SIGMA_PX,
     Gradient,
+    Ground,
     candidates,
     evened,
     gradient,
+    ground_of,
 )
 from analysis.balls.discs.judging import (
     LEAST_SECTORS,
@@ -27,7 +39,7 @@ from analysis.balls.discs.judging import (
     false_alarms,
     fit_circle,
 )
-from analysis.balls.discs.rims import fit_rim, is_round, sharpness
+from analysis.balls.discs.rims import fit_rim, is_round, is_seen, sharpness
 
 CORRELATED = 2.5
 """By how much neighbouring edge points, which share what noise the filter saw, enlarge errors."""
@@ -103,6 +115,17 @@ class _Candidate:
 
 
 def _of_versions(values: Singles, sought: _Sought, versions: tuple[int | None, ...]) -> list[Disc]:
+    found: list[Disc] = []
+    for disc in _with_rims(values, _accepted(values, sought, versions), sought):
+        # Two circles within one rim, or of a picture through what is no circle, may both be there.
+        same = any(one(disc, other) for other in found)
+        if not same and not (sought.blotched and any(doubled(disc, other) for other in found)):
+            found.append(disc)
+    return sorted(found, key=lambda disc: disc.log_alarms)
+
+
+def _accepted(values: Singles, sought: _Sought, versions: tuple[int | None, ...]) -> list[Disc]:
+    """Return the circles that chance does not show, the surest first, each without their edges."""
     radii = sought.radii
     least = sought.least + sought.blotched * SHARPER * MOST_SHARPER
     # A circle is tried at each row, column and radius of the range.
@@ -112,7 +135,7 @@ def _of_versions(values: Singles, sought: _Sought, versions: tuple[int | None, .
     weights = [np.ones(len(level.gradient.edges), np.float32) for level in levels]
     waiting: list[_Candidate] = []
     for index, level in enumerate(levels):
-        edges, shape = level.gradient.edges, level.taken.shape
+        edges, shape = level.gradient.edges, level.gradient.field.shape[1:]
         for place in candidates(edges, shape, level.radii)[:, 1:]:
             disc = _judged(level, weights[index], place, tests)
             if disc is not None and disc.log_alarms < least - level.margin:
@@ -137,35 +160,45 @@ def _of_versions(values: Singles, sought: _Sought, versions: tuple[int | None, .
                 continue
             rest.append(_Candidate(other.level, again))
         waiting = rest
+    return accepted
+
+
+def _with_rims(values: Singles, accepted: list[Disc], sought: _Sought) -> list[Disc]:
+    """Return those of the circles that are rims, fitted to them, and discs like these."""
     if sought.blotched:
         sharp = [_with_sharpness(values, disc, sought) for disc in accepted]
         accepted = [disc for disc in sharp if disc.log_alarms < sought.least]
     whole = [disc for disc in accepted if not any(on(disc, other) for other in accepted)]
     # The border of what is lit, or saturated, on a sphere is a circle too, next to its rim or not.
     refined = [at_rim(values, disc, sought.sigma_px) for disc in _rims(whole)]
-    if sought.blotched:
-        refined = [disc for disc in refined if is_round(values, _place(disc), sought.sigma_px)]
-        refined += _alike(values, sought, refined)
-    # Two circles within one rim may both have led to it.
-    found = [disc for k, disc in enumerate(refined) if not any(one(disc, o) for o in refined[:k])]
-    return sorted(found, key=lambda disc: disc.log_alarms)
+    if not sought.blotched:
+        return refined
+    refined = [disc for disc in refined if _is_rim(values, disc, sought.sigma_px)]
+    return refined + _alike(values, sought, refined)
+
+
+def _is_rim(values: Singles, disc: Disc, sigma_px: float) -> bool:
+    place = _place(disc)
+    return is_seen(values, place, sigma_px) and is_round(values, place, sigma_px)
 
 
 def _alike(values: Singles, sought: _Sought, found: list[Disc]) -> list[Disc]:
     """Return discs like those found, which need neither votes nor edges where those show rims."""
-    groups: list[list[Disc]] = []
-    for disc in sorted(found, key=lambda each: each.radius):
-        if not groups or disc.radius > LIKE_RADIUS * groups[-1][0].radius:
-            groups.append([])
-        groups[-1].append(disc)
+    groups = _groups(found)
     # A circle is tried at each row and column, with three radii.
     tests = math.log10(values.shape[0] * values.shape[1] * 3 * max(1, len(groups)))
     more: list[Disc] = []
+    grounds: dict[float, Ground] = {}
     for group in groups:
         own, known = (np.array([_place(each) for each in some]) for some in (group, found + more))
+        factor = shrunk(own)
+        if factor not in grounds:
+            grounds[factor] = ground_of(values, factor)
         likely = [
             Disc(row, column, radius, *3 * (NO_RIM_RADII * radius,), rim, alarms)
-            for row, column, radius, alarms, rim in circles(values, own, known, tests).tolist()
+            for row, column, radius, alarms, rim in circles(
+                grounds[factor], own, known, tests
+            ).tolist()
         ]
         crisp = float(np.median([_sharpness(values, disc, sought) for disc in group]))
         for disc in sorted(likely, key=lambda each: each.log_alarms):
@@ -180,6 +213,16 @@ def _alike(values: Singles, sought: _Sought, found: list[Disc]) -> list[Disc]:
             if same_rim(best, disc) and is_round(values, _place(best), sought.sigma_px):
                 more.append(best)
     return more
+
+
+def _groups(discs: list[Disc]) -> list[list[Disc]]:
+    """Return discs of about one radius, group by group, the smallest first."""
+    groups: list[list[Disc]] = []
+    for disc in sorted(discs, key=lambda each: each.radius):
+        if not groups or disc.radius > LIKE_RADIUS * groups[-1][0].radius:
+            groups.append([])
+        groups[-1].append(disc)
+    return groups
 
 
 def _place(disc: Disc) -> Floats:
@@ -270,7 +313,6 @@ class _Level:
     gradient: Gradient
     factor: float
     radii: tuple[float, float]
-    taken: NDArray[np.float32]
     margin: float
 
     def outward(self, value: float) -> float:
@@ -302,8 +344,7 @@ def _levels(values: Singles, sought: _Sought, versions: tuple[int | None, ...]) 
                 shown = np.atleast_3d(cv2.morphologyEx(small, version, ellipse))
             found = gradient(np.ascontiguousarray(shown), sought.sigma_px)
             margin = 0.0 if version is None else CHANGED
-            taken = np.zeros(found.field.shape[1:], np.float32)
-            yield _Level(found, factor, own, taken, margin)
+            yield _Level(found, factor, own, margin)
         low = high
 
 
@@ -314,11 +355,9 @@ def _judged(level: _Level, weights: Singles, place: Floats, tests: float) -> Dis
         return None
     if not (0.9 * level.radii[0] < radius < 1.1 * level.radii[1]):
         return None
-    field = level.gradient.field
-    if level.taken.any():
-        field = field.copy()
-        field[0][level.taken > 0] = 0.0
-    alarms, rim = false_alarms(field, level.gradient.threshold, fit[:3].copy(), tests).tolist()
+    alarms, rim = false_alarms(
+        level.gradient.field, level.gradient.threshold, fit[:3].copy(), tests
+    ).tolist()
     row_sigma, column_sigma, radius_sigma = (CORRELATED * level.factor * fit[3:6]).tolist()
     return Disc(
         row=level.outward(float(fit[0])),
@@ -333,16 +372,16 @@ def _judged(level: _Level, weights: Singles, place: Floats, tests: float) -> Dis
 
 
 def _take(level: _Level, weights: Singles, disc: Disc) -> None:
-    """Take an accepted disc's edges out of what the others are judged by."""
+    """Take an accepted disc's edges, and the changes there, out of what judges the others."""
     row, column, radius = level.inward(disc).tolist()
     band = max(1.5, 0.05 * radius)
     points = level.gradient.edges
     away = np.hypot(points[:, 0] - row, points[:, 1] - column)
     weights[np.abs(away - radius) <= band] = 0.0
     cv2.circle(
-        level.taken,
+        level.gradient.field[0],
         (round(column), round(row)),
         max(1, round(radius)),
-        1.0,
+        0.0,
         thickness=max(1, round(2 * band)),
     )

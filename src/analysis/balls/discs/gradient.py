@@ -213,6 +213,39 @@ def derivatives(picture: Singles, sigma_px: float) -> tuple[Singles, Singles]:
     return down, across
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Ground:
+    """Changes of a picture that is smaller by a factor.
+
+    Attributes
+    ----------
+    down, right
+        Along rows and columns, shape (rows, columns, channels) each.
+    spread
+        Covariance of the changes where the picture is calm, shape (channels, channels).
+    """
+
+    factor: float
+    down: Singles
+    right: Singles
+    spread: Floats
+
+
+def ground_of(picture: Singles, factor: float) -> Ground:
+    """Return the changes of a picture, of shape (rows, columns, channels), made smaller."""
+    small = picture
+    if factor > 1.0:
+        size = tuple(max(8, round(side / factor)) for side in picture.shape[1::-1])
+        small = np.atleast_3d(cv2.resize(picture, size, interpolation=cv2.INTER_AREA))
+    down, right = derivatives(np.ascontiguousarray(small), SIGMA_PX)
+    size_of = np.sqrt((down**2 + right**2).sum(axis=2))
+    calm = size_of < edge_threshold(_tensor(down, right)[0])
+    changes = np.concatenate([down[calm], right[calm]]).astype(np.float64)
+    spread = changes.T @ changes / max(1, len(changes))
+    spread += (1e-3 * np.trace(spread) + 1e-12) * np.eye(len(spread)) / len(spread)
+    return Ground(factor, down, right, spread)
+
+
 @compiled
 def _tensor(
     along_row: NDArray[np.float32], along_column: NDArray[np.float32]

@@ -28,6 +28,8 @@ PASSES = ((0.10, 29.0), (0.07, 26.0), (0.05, 23.0), (0.03, 20.0))
 """Distance from the circle in radii, and angle with the radius in degrees, from pass to pass."""
 _BANDS = np.array([[band, math.cos(math.radians(angle))] for band, angle in PASSES])
 LEAST_BAND_PX = 0.8
+SQUARE_RADII = 1.2
+"""Half of the side of a square whose edges are looked through while the circle stays in it."""
 LEAST_POINTS = 8
 
 
@@ -75,6 +77,21 @@ def log_binomial_tail(samples: int, hits: int, chance: float) -> float:
 
 
 @part
+def _about(
+    edges: NDArray[np.float32], weights: NDArray[np.float32], square: NDArray[np.float64]
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Return the edges with a weight in a square (row, column, half of a side), and weights."""
+    own, own_weights, count = np.empty_like(edges), np.empty_like(weights), 0
+    for k in range(len(edges)):
+        if weights[k] <= 0.0 or abs(edges[k, 0] - square[0]) > square[2]:
+            continue
+        if abs(edges[k, 1] - square[1]) <= square[2]:
+            own[count], own_weights[count] = edges[k], weights[k]
+            count += 1
+    return own[:count], own_weights[:count]
+
+
+@part
 def _gather(
     edges: NDArray[np.float32],
     weights: NDArray[np.float32],
@@ -87,7 +104,7 @@ def _gather(
     Parameters
     ----------
     weights
-        Of the points; those without one are not there.
+        Of the points.
     limits
         Width of the band in px and least cosine of a point's angle with the radius.
     sums
@@ -97,8 +114,6 @@ def _gather(
     band, along = limits
     sums[:] = 0.0
     for k in range(len(edges)):
-        if weights[k] <= 0.0:
-            continue
         dr, dc = edges[k, 0] - row, edges[k, 1] - column
         if abs(dr) > radius + band or abs(dc) > radius + band:
             continue
@@ -121,8 +136,8 @@ def _gather(
         sums[3, 2] += 1.0
 
 
-@part
-def _sectors(
+@compiled
+def sectors(
     edges: NDArray[np.float32],
     weights: NDArray[np.float32],
     circle: NDArray[np.float64],
@@ -169,11 +184,18 @@ def fit_circle(
     found = np.zeros(7)
     circle = start.copy()
     sums, limits = np.zeros((4, 4)), np.zeros(2)
+    square = np.zeros(3)
+    own, own_weights = edges, weights
     matrix, right = np.zeros((3, 3)), np.zeros(3)
     for step in range(2 * bands):
         limits[0] = max(LEAST_BAND_PX, _BANDS[step // 2, 0] * circle[2])
         limits[1] = _BANDS[step // 2, 1]
-        _gather(edges, weights, circle, limits, sums)
+        reach = circle[2] + limits[0]
+        moved = max(abs(circle[0] - square[0]), abs(circle[1] - square[1]))
+        if moved + reach > square[2]:
+            square[:2], square[2] = circle[:2], SQUARE_RADII * reach
+            own, own_weights = _about(edges, weights, square)
+        _gather(own, own_weights, circle, limits, sums)
         matrix[:] = sums[:3, :3]
         right[:] = sums[:3, 3]
         if sums[3, 2] < LEAST_POINTS or not _solve(matrix, right):
@@ -190,7 +212,7 @@ def fit_circle(
             return found
         found[3 + i] = scatter * math.sqrt(max(right[i], 0.0))
     found[:3] = circle
-    found[6] = _sectors(edges, weights, circle, limits)
+    found[6] = sectors(edges, weights, circle, limits)
     return found
 
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from analysis.arrays import Floats, Singles
 from analysis.balls.discs.gradient import gradient, gradient_field
-from analysis.balls.discs.judging import PASSES, SECTORS, fit_circle
+from analysis.balls.discs.judging import PASSES, SECTORS, fit_circle, sectors
 from analysis.compiled import compiled, part
 
 WIDER, WIDEST = 1.6, 2.2
@@ -67,6 +67,13 @@ LEAST_SUMS = 6
 """Fits with new weights to the least sum of distances: edges of other things hardly count in it."""
 CORRELATED_POINTS = 2.5
 """Neighbouring edge points, which share what noise the filter saw, that count as one."""
+SEEN_PX, SEEN_RADII, SEEN_ALONG = 0.6, 0.02, math.cos(math.radians(12.0))
+"""Distance from a circle and cosine of the angle with its radius of edges that show a rim."""
+LEAST_SEEN, WHOLE_PX = 0.4, 44.0
+"""Share of a rim's sectors with such edges, and the radius from which so many are asked for:
+directions of a smaller one are less exact, so that it is less by chance that they agree."""
+BORDER_PX = 2.0
+"""Next to the picture's border no edge is found."""
 ASIDE, RIM_STEP = 2.5, 0.5
 """How far beside a circle its rim is looked for, in the filter's widths, and in which steps."""
 
@@ -138,6 +145,29 @@ def sharpness(values: Singles, place: Floats, sigma_px: float) -> float:
     )
     seen = wide > 0.0
     return float(np.median(narrow[seen] / wide[seen])) if seen.any() else 1.0
+
+
+def is_seen(values: Singles, place: Floats, sigma_px: float) -> bool:
+    """Return whether enough of a rim is an edge in the whole picture.
+
+    Gradients that point to a centre are no rim yet: those of a soft blotch of light or shade do
+    everywhere in it, and a cluttered ground has some at each circle's side.
+
+    Parameters
+    ----------
+    place
+        Row, column and radius, shape (3,).
+    """
+    window, corner = _window(values, place, BEYOND)
+    edges = gradient(window, sigma_px).edges
+    circle = place - corner
+    limits = np.array([max(SEEN_PX, SEEN_RADII * place[2]), SEEN_ALONG])
+    seen = sectors(edges, np.ones(len(edges), np.float32), circle, limits)
+    turns = 2.0 * np.pi * (np.arange(SECTORS) + 0.5) / SECTORS
+    places = circle[:2, None] + place[2] * np.stack([np.sin(turns), np.cos(turns)])
+    room = np.array(window.shape[:2])[:, None] - BORDER_PX
+    shown = float(((places > BORDER_PX) & (places < room)).all(axis=0).mean())
+    return bool(seen > LEAST_SEEN * min(1.0, float(place[2]) / WHOLE_PX) * shown)
 
 
 def is_round(values: Singles, place: Floats, sigma_px: float) -> bool:

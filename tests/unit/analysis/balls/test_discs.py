@@ -63,6 +63,20 @@ def test_noise_shows_no_discs(seed: int) -> None:
     assert find_balls(np.clip(noise, 0, 255).astype(np.uint8), (10.0, 40.0)) == []
 
 
+def test_light_and_shade_that_fall_off_towards_a_centre_have_no_rim() -> None:
+    rng = np.random.default_rng(6)
+    blotches = cv2.GaussianBlur(rng.standard_normal((240, 320)).astype(np.float32), (0, 0), 10)
+    shown = 120 + 40 * blotches / blotches.std() + rng.normal(0, 1, blotches.shape)
+    assert find_balls(shown, (6.0, 80.0)) == []
+
+
+def test_a_ball_that_is_smeared_to_an_oval_is_one() -> None:
+    shown = np.full((240, 320), 8.0, np.float32)
+    cv2.ellipse(shown, (160, 120), (26, 21), 0, 0, 360, (240.0,), -1, cv2.LINE_AA)
+    noise = np.random.default_rng(1).normal(0, 1, shown.shape)
+    assert len(find_balls(cv2.GaussianBlur(shown, (0, 0), 1.0) + noise, (6.0, 80.0))) == 1
+
+
 def test_stripes_and_corners_show_no_discs() -> None:
     row, column = np.mgrid[:160, :240]
     stripes = np.where((row // 20 + column // 30) % 2 == 0, 60, 180).astype(np.uint8)
