@@ -23,6 +23,7 @@ from analysis.balls.discs.disc import (
     touch,
     within,
 )
+from analysis.balls.discs.genuine import is_round, is_seen, sharpness
 from analysis.balls.discs.gradient import (
     RADIUS_STEP,
     SIGMA_PX,
@@ -39,7 +40,7 @@ from analysis.balls.discs.judging import (
     false_alarms,
     fit_circle,
 )
-from analysis.balls.discs.rims import fit_rim, is_round, is_seen, sharpness
+from analysis.balls.discs.rims import fit_rim
 
 CORRELATED = 2.5
 """By how much neighbouring edge points, which share what noise the filter saw, enlarge errors."""
@@ -179,7 +180,8 @@ def _with_rims(values: Singles, accepted: list[Disc], sought: _Sought) -> list[D
 
 def _is_rim(values: Singles, disc: Disc, sigma_px: float) -> bool:
     place = _place(disc)
-    return is_seen(values, place, sigma_px) and is_round(values, place, sigma_px)
+    seen = is_seen(values, place, sigma_px, disc.log_alarms)
+    return seen and is_round(values, place, sigma_px)
 
 
 def _alike(values: Singles, sought: _Sought, found: list[Disc]) -> list[Disc]:

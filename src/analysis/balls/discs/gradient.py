@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.arrays import Floats, Singles
-from analysis.compiled import compiled
+from analysis.compiled import compiled, part
 
 RADIUS_STEP = 1.05
 BLUR = 0.06
@@ -321,3 +321,38 @@ def _ridges(field: NDArray[np.float32], threshold: float) -> NDArray[np.float32]
             points[count, 2], points[count, 3] = u, v
             count += 1
     return points[:count].copy()
+
+
+REACH_PX = 6.0
+"""How much more of a picture than asked is about a circle, for the filters."""
+WIDER = 1.6
+"""Width of the filter, in that of the narrow one, whose edges tell how those shift, and how sharp a
+rim is."""
+EXACT_PX = 0.1
+"""Error of an edge that does not shift with the width."""
+
+
+def window_about(values: Singles, place: Floats, beyond: float) -> tuple[Singles, Floats]:
+    """Return the picture about a circle, and its corner; `beyond` it in radii."""
+    reach = math.ceil((1.0 + beyond) * place[2] + REACH_PX)
+    top, left = (max(0, int(middle) - reach) for middle in place[:2])
+    bottom, right = (int(middle) + reach + 1 for middle in place[:2])
+    window = np.ascontiguousarray(values[top:bottom, left:right])
+    return window, np.array([top, left, 0.0])
+
+
+@part
+def size_along(field: NDArray[np.float32], row: float, column: float, u: float, v: float) -> float:
+    """Return the gradient's size in the direction (u, v), negative outside the picture."""
+    _, rows, columns = field.shape
+    i, j = int(row), int(column)
+    if row < 0.0 or column < 0.0 or i + 1 >= rows or j + 1 >= columns:
+        return -1.0
+    p, q = row - i, column - j
+    size = 0.0
+    for di in range(2):
+        for dj in range(2):
+            weight = (p if di else 1.0 - p) * (q if dj else 1.0 - q)
+            along = u * field[1, i + di, j + dj] + v * field[2, i + di, j + dj]
+            size += weight * field[0, i + di, j + dj] * max(along, 0.0)
+    return size

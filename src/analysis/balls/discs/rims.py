@@ -15,25 +15,31 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.arrays import Floats, Singles
-from analysis.balls.discs.gradient import gradient, gradient_field
-from analysis.balls.discs.judging import PASSES, SECTORS, fit_circle, sectors
-from analysis.compiled import compiled, part
+from analysis.balls.discs.gradient import (
+    EXACT_PX,
+    WIDER,
+    gradient,
+    gradient_field,
+    size_along,
+    window_about,
+)
+from analysis.balls.discs.judging import PASSES, SECTORS, fit_circle
+from analysis.compiled import compiled
 
-WIDER, WIDEST = 1.6, 2.2
-"""Widths of the filters, in that of the narrow one, whose edges tell the shifts; the second one for
-an error."""
+WIDEST = 2.2
+"""Width of a filter, in that of the narrow one, whose edges tell the shifts for an error."""
 AS_WIDTH = 0.8
 """Share of a shift that is taken back, as of one that grows as the width: 1 if it does grow so, 0.6
 if it grows as the square of the width with the camera's blur added to it."""
-EXACT_PX, SOFT = 0.1, 0.5
-"""Error of an edge that does not shift; share of a shift that is the error of one that does."""
+SOFT = 0.5
+"""Share of a shift that is the error of an edge that shifts."""
 REACH, STEP, SPAN = 2.1, 0.2, 3
 """How far along its direction an edge is sought at another width, in widths, in which steps, and
 over how many of them to each side its top is found."""
 
 LEAST_RIM = 0.2
 """Share of a rim's sectors with edges: what an arc leaves open is in the errors."""
-BEYOND, REACH_PX, LEAST_PX = 0.35, 6.0, 8
+BEYOND, LEAST_PX = 0.35, 8
 GROWN, TURNS = (0.06, 0.12, 0.18, 0.25, -0.06, -0.12), 16
 """Circles that share a side with the one that was found, larger by these shares of its radius."""
 STARTING = 3
@@ -54,28 +60,6 @@ OF_SCATTER, OF_HALVES, OF_SHIFT, OF_WIDEST, OF_RIVAL = 2.0, 0.25, 0.35, 0.5, 0.2
 """Share of each in an error: see `_errors`."""
 CENTRE_AND_RADIUS = np.array([[0.5, 0.5, 0.0], [0.5, 0.5, 0.0], [0.0, 0.0, 1.0]])
 """Mean square of the changes of row and column, for both; that of the radius."""
-FOLDS = (4, 5, 6, 7, 8)
-"""Of the waves about a rim that make it a figure with as many sides or round corners."""
-ROUND_BAND, ROUND_ALONG = 0.12, 0.9
-"""Distance from a circle in radii, and cosine of the angle with its radius, of a figure's edges."""
-LEAST_WAVE, OF_SQUARES, LEAST_CHANCE = 0.015, 0.8, 1e-4
-"""Height of a wave in radii, its share of the square of the distances from the circle, and the
-chance that scatter makes one: higher, larger and less likely ones are no circle's."""
-RECENTRED, LEAST_EDGES = 3, 16
-"""How often the circle is moved to the middle of its edges, and how many say anything."""
-LEAST_SUMS = 6
-"""Fits with new weights to the least sum of distances: edges of other things hardly count in it."""
-CORRELATED_POINTS = 2.5
-"""Neighbouring edge points, which share what noise the filter saw, that count as one."""
-SEEN_PX, SEEN_RADII, SEEN_ALONG = 0.6, 0.02, math.cos(math.radians(12.0))
-"""Distance from a circle and cosine of the angle with its radius of edges that show a rim."""
-LEAST_SEEN, WHOLE_PX = 0.4, 44.0
-"""Share of a rim's sectors with such edges, and the radius from which so many are asked for:
-directions of a smaller one are less exact, so that it is less by chance that they agree."""
-BORDER_PX = 2.0
-"""Next to the picture's border no edge is found."""
-ASIDE, RIM_STEP = 2.5, 0.5
-"""How far beside a circle its rim is looked for, in the filter's widths, and in which steps."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -109,7 +93,7 @@ def fit_rim(values: Singles, place: Floats, sigma_px: float) -> tuple[Floats, Fl
     -------
     None where the edges have no circle there.
     """
-    window, corner = _window(values, place, BEYOND)
+    window, corner = window_about(values, place, BEYOND)
     if min(window.shape[:2]) < LEAST_PX:
         return None
     seen = gradient(window, sigma_px).edges
@@ -121,136 +105,6 @@ def fit_rim(values: Singles, place: Floats, sigma_px: float) -> tuple[Floats, Fl
         return None
     widest = _unshifted(seen, gradient_field(window, WIDEST * sigma_px), sigma_px, WIDEST)
     return fit[:3] + corner, _errors(fit, edges, widest, rivals)
-
-
-def sharpness(values: Singles, place: Floats, sigma_px: float) -> float:
-    """Return how much stronger a narrow filter sees a rim than one `WIDER` times as wide.
-
-    A step that the filter alone blurs has `WIDER`, a slope that is wider than both has 1; noise of
-    single pixels has more than both, and by itself makes no circle. The median about the rim
-    counts, so that what hides a part of it, or a smear along it, does not.
-
-    Parameters
-    ----------
-    place
-        Row, column and radius, shape (3,).
-    sigma_px
-        Width of the narrow filter.
-    """
-    window, corner = _window(values, place, 2.0 * ASIDE * sigma_px / place[2])
-    circle = place - corner
-    narrow, wide = (
-        _rim_sizes(gradient_field(window, width), circle, sigma_px)
-        for width in (sigma_px, WIDER * sigma_px)
-    )
-    seen = wide > 0.0
-    return float(np.median(narrow[seen] / wide[seen])) if seen.any() else 1.0
-
-
-def is_seen(values: Singles, place: Floats, sigma_px: float) -> bool:
-    """Return whether enough of a rim is an edge in the whole picture.
-
-    Gradients that point to a centre are no rim yet: those of a soft blotch of light or shade do
-    everywhere in it, and a cluttered ground has some at each circle's side.
-
-    Parameters
-    ----------
-    place
-        Row, column and radius, shape (3,).
-    """
-    window, corner = _window(values, place, BEYOND)
-    edges = gradient(window, sigma_px).edges
-    circle = place - corner
-    limits = np.array([max(SEEN_PX, SEEN_RADII * place[2]), SEEN_ALONG])
-    seen = sectors(edges, np.ones(len(edges), np.float32), circle, limits)
-    turns = 2.0 * np.pi * (np.arange(SECTORS) + 0.5) / SECTORS
-    places = circle[:2, None] + place[2] * np.stack([np.sin(turns), np.cos(turns)])
-    room = np.array(window.shape[:2])[:, None] - BORDER_PX
-    shown = float(((places > BORDER_PX) & (places < room)).all(axis=0).mean())
-    return bool(seen > LEAST_SEEN * min(1.0, float(place[2]) / WHOLE_PX) * shown)
-
-
-def is_round(values: Singles, place: Floats, sigma_px: float) -> bool:
-    """Return whether a rim is a circle, not a polygon or a square with round corners.
-
-    The distances of its edges from the circle are fitted, to their least sum, with and without a
-    wave that goes four to eight times around. A figure is what one such wave describes better than
-    scatter may.
-
-    Parameters
-    ----------
-    place
-        Row, column and radius, shape (3,).
-    """
-    window, corner = _window(values, place, 2.0 * ROUND_BAND)
-    edges = gradient(window, sigma_px).edges.astype(np.float64)
-    circle = place - corner
-    # A circle through three sides of a square does not lie in its middle.
-    for _ in range(RECENTRED):
-        turn, distance = _distances(edges, circle)
-        if len(turn) < LEAST_EDGES:
-            return True
-        terms = [np.sin(turn), np.cos(turn), np.ones_like(turn)]
-        plain, moved = _left(terms, distance)
-        circle = circle + moved
-    free = 0.5 * (len(turn) / CORRELATED_POINTS - 5.0)
-    for fold in FOLDS:
-        left, found = _left([*terms, np.cos(fold * turn), np.sin(fold * turn)], distance)
-        gained = 1.0 - (left / max(plain, 1e-12)) ** 2
-        chance = len(FOLDS) * (1.0 - gained) ** free
-        high = math.hypot(*found[3:]) > LEAST_WAVE * place[2]
-        if high and gained > OF_SQUARES and chance < LEAST_CHANCE:
-            return False
-    return True
-
-
-def _distances(edges: Floats, circle: Floats) -> tuple[Floats, Floats]:
-    """Return angles at the centre and distances from a circle of the edges that may be its own."""
-    off = edges[:, :2] - circle[:2]
-    away = np.hypot(*off.T) + 1e-9
-    along = np.abs((off * edges[:, 2:]).sum(axis=1)) / away
-    own = (np.abs(away - circle[2]) < ROUND_BAND * circle[2]) & (along > ROUND_ALONG)
-    return np.arctan2(off[own, 0], off[own, 1]), away[own] - circle[2]
-
-
-def _left(terms: list[Floats], values: Floats) -> tuple[float, Floats]:
-    """Return the least sum of sizes of what some terms leave of values, and the terms' sizes."""
-    matrix = np.column_stack(terms)
-    weights = np.ones_like(values)
-    for _ in range(LEAST_SUMS):
-        found = np.linalg.lstsq(matrix * weights[:, None], values * weights, rcond=None)[0]
-        left = np.abs(values - matrix @ found)
-        weights = 1.0 / np.sqrt(np.maximum(left, EXACT_PX))
-    return float(left.sum()), np.asarray(found)
-
-
-def _window(values: Singles, place: Floats, beyond: float) -> tuple[Singles, Floats]:
-    """Return the picture about a circle, and its corner; `beyond` it in radii."""
-    reach = math.ceil((1.0 + beyond) * place[2] + REACH_PX)
-    top, left = (max(0, int(middle) - reach) for middle in place[:2])
-    bottom, right = (int(middle) + reach + 1 for middle in place[:2])
-    window = np.ascontiguousarray(values[top:bottom, left:right])
-    return window, np.array([top, left, 0.0])
-
-
-@compiled
-def _rim_sizes(
-    field: NDArray[np.float32], circle: NDArray[np.float64], sigma_px: float
-) -> NDArray[np.float64]:
-    """Return the largest part of the gradient along the radius near each sample of a circle."""
-    samples = max(24, int(2.0 * math.pi * circle[2]))
-    found = np.zeros(samples)
-    steps = int(ASIDE / RIM_STEP)
-    for k in range(samples):
-        angle = 2.0 * math.pi * k / samples
-        u, v = math.sin(angle), math.cos(angle)
-        for m in range(-steps, steps + 1):
-            away = circle[2] + m * RIM_STEP * sigma_px
-            row, column = circle[0] + away * u, circle[1] + away * v
-            for side in (1.0, -1.0):
-                size = _size_along(field, row, column, side * u, side * v)
-                found[k] = max(found[k], size)
-    return found
 
 
 def _unshifted(seen: Singles, field: Singles, sigma_px: float, wider: float) -> _Edges:
@@ -265,23 +119,6 @@ def _unshifted(seen: Singles, field: Singles, sigma_px: float, wider: float) -> 
     return _Edges(own, points, weights.astype(np.float32))
 
 
-@part
-def _size_along(field: NDArray[np.float32], row: float, column: float, u: float, v: float) -> float:
-    """Return the gradient's size in the direction (u, v), negative outside the picture."""
-    _, rows, columns = field.shape
-    i, j = int(row), int(column)
-    if row < 0.0 or column < 0.0 or i + 1 >= rows or j + 1 >= columns:
-        return -1.0
-    p, q = row - i, column - j
-    size = 0.0
-    for di in range(2):
-        for dj in range(2):
-            weight = (p if di else 1.0 - p) * (q if dj else 1.0 - q)
-            along = u * field[1, i + di, j + dj] + v * field[2, i + di, j + dj]
-            size += weight * field[0, i + di, j + dj] * max(along, 0.0)
-    return size
-
-
 @compiled
 def _shifts(
     edges: NDArray[np.float32], field: NDArray[np.float32], sigma_px: float
@@ -294,7 +131,7 @@ def _shifts(
         row, column, u, v = edges[k]
         for m in range(2 * half + 1):
             along = (m - half) * STEP * sigma_px
-            sizes[m] = _size_along(field, row + along * u, column + along * v, u, v)
+            sizes[m] = size_along(field, row + along * u, column + along * v, u, v)
         nearest = 2 * half
         for m in range(SPAN, 2 * half + 1 - SPAN):
             top = sizes[m] > 0.0 and sizes[m] >= sizes[m - 1] and sizes[m] > sizes[m + 1]
