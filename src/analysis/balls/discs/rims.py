@@ -56,8 +56,10 @@ BAND_PX, BAND_RADII, ALONG = 0.8, 0.03, 0.93
 
 HALVES, MOST_HALVES = 16, 0.75
 """Circles through each half of a rim, and share of them whose changes count as usual ones."""
-OF_SCATTER, OF_HALVES, OF_SHIFT, OF_WIDEST, OF_RIVAL = 2.0, 0.25, 0.35, 0.5, 0.2
+OF_SCATTER, OF_SHIFT, OF_WIDEST, OF_RIVAL = 1.6, 0.35, 0.5, 0.2
 """Share of each in an error: see `_errors`."""
+OF_HALVES = np.array([0.75, 0.75, 1.3])
+"""The same of the halves, of row, column and radius."""
 CENTRE_AND_RADIUS = np.array([[0.5, 0.5, 0.0], [0.5, 0.5, 0.0], [0.0, 0.0, 1.0]])
 """Mean square of the changes of row and column, for both; that of the radius."""
 
@@ -194,7 +196,8 @@ def _errors(fit: Floats, edges: _Edges, widest: _Edges, rivals: Floats) -> Float
     """Return errors of row, column and radius.
 
     What shading, blotches and smears do to a whole side of a rim is not in the scatter of its
-    edges, but in how the circles through each half of it differ, how far taking shifts back moved
+    edges, but in how the circles through each half of it differ, in proportion to how much less
+    such a half tells than the whole, how far taking shifts back moved
     it, how it moves with shifts that another width tells, and how far its rivals lie. Shares of
     each are those by which drawn pictures are off (`python -m benchmarks.balls.finding`).
     """
@@ -209,10 +212,16 @@ def _errors(fit: Floats, edges: _Edges, widest: _Edges, rivals: Floats) -> Float
         )
         for turn in (2.0 * math.pi * np.arange(HALVES) / HALVES).tolist()
     ]
-    usual = np.array([half[:3] - fit[:3] for half in halves if half[2] > 0])
+    own = fit[3:6] ** 2 @ CENTRE_AND_RADIUS
+    # A half of what is seen of a hidden rim is a short arc, which tells much less than the whole.
+    usual = [
+        (half[:3] - fit[:3]) ** 2 @ CENTRE_AND_RADIUS * own / (half[3:6] ** 2 @ CENTRE_AND_RADIUS)
+        for half in halves
+        if half[2] > 0 and half[3:6].all()
+    ]
     square = (OF_SCATTER * fit[3:6]) ** 2
-    if len(usual):
-        square += OF_HALVES**2 * np.quantile(usual**2 @ CENTRE_AND_RADIUS, MOST_HALVES, axis=0)
+    if usual:
+        square += OF_HALVES**2 * np.quantile(usual, MOST_HALVES, axis=0)
     for share, circle in ((OF_SHIFT, plain), (OF_WIDEST, other)):
         if circle[2] > 0:
             square += share**2 * ((circle[:3] - fit[:3]) ** 2 @ CENTRE_AND_RADIUS)

@@ -58,13 +58,22 @@ def dark_sided(row: float, column: float, rng: np.random.Generator) -> Floats:
     return np.asarray(GROUND + (light - GROUND) * coverage((row, column, RADIUS), SHAPE))
 
 
-@pytest.mark.parametrize("draw", [blotched, smeared, dark_sided])
-def test_errors_of_blotched_and_smeared_balls_are_as_large_as_they_are_off(
+def hidden(row: float, column: float, rng: np.random.Generator) -> Floats:
+    """Draw a ball with hardly any shade, a third of which is behind a board."""
+    light = lit(row, column, rng, 0.599)
+    shown = np.asarray(GROUND + (light - GROUND) * coverage((row, column, RADIUS), SHAPE))
+    shown[round(row + rng.uniform(0.1, 0.4) * RADIUS) :] = 110.0
+    return shown
+
+
+@pytest.mark.parametrize("draw", [blotched, smeared, dark_sided, hidden])
+def test_errors_of_blotched_smeared_and_hidden_balls_are_as_large_as_they_are_off(
     draw: Callable[[float, float, np.random.Generator], Floats],
 ) -> None:
     rng = np.random.default_rng(11)
     pulls: list[float] = []
     offs: list[float] = []
+    radii: list[float] = []
     for seed in range(DISCS):
         row, column = rng.uniform(45, 65), rng.uniform(55, 75)
         found = find_balls(grey(draw(row, column, rng), noise=3.0, seed=seed), (14.0, 32.0))
@@ -72,7 +81,9 @@ def test_errors_of_blotched_and_smeared_balls_are_as_large_as_they_are_off(
         best = min(found, key=lambda disc: float(np.hypot(disc.row - row, disc.column - column)))
         pulls += [(best.row - row) / best.row_sigma, (best.column - column) / best.column_sigma]
         offs += [best.row - row, best.column - column]
+        radii.append((best.radius - RADIUS) / best.radius_sigma)
     assert 0.6 < np.sqrt(np.mean(np.square(pulls))) < 1.3
+    assert np.sqrt(np.mean(np.square(radii))) < 1.3
     assert np.abs(pulls).max() < 4.5
     assert np.sqrt(np.mean(np.square(offs))) < 0.012 * RADIUS
 
