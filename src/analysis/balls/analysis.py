@@ -9,6 +9,7 @@ import numpy as np
 
 from analysis.arrays import Floats
 from analysis.balls.carried import NotFlyingError, OtherFallError, TurningError
+from analysis.balls.even import even_stretches, in_doubt, sure_bounces
 from analysis.balls.films.distinct import DistinctFilm
 from analysis.balls.films.fields import FieldsFilm, InterlacedError
 from analysis.balls.films.film import Film, FilmHead
@@ -162,7 +163,42 @@ def analyse_held(film: Film, times: Floats, ball: Ball, exposure: float | None) 
         turned = _turned(film, times, ball, exposure)
         if turned is not None and turned.measured.bounces:
             return turned
-    return AnalysedFilm(film, measured, remarks(measured))
+    even = _in_one_rate(film, measured, (times, ball, exposure)) if in_doubt(measured) else None
+    return even or AnalysedFilm(film, measured, remarks(measured))
+
+
+def _in_one_rate(
+    film: Film, measured: MeasuredBall, asked: tuple[Floats, Ball, float | None]
+) -> AnalysedFilm | None:
+    """Measure the longest stretch of a film in which its rate holds; None where that tells no more.
+
+    Parameters
+    ----------
+    asked
+        Times of the frames, the ball and the exposure, as of the whole film.
+    """
+    times, ball, exposure = asked
+    stretches = even_stretches(measured, times, ball)
+    for first, last in stretches:
+        if last - first + 1 == film.head.frames:
+            continue
+        part = PartOfFilm(film, Cut(first, last + 1))
+        try:
+            own = measure_ball(part, times[first : last + 1] - times[first], ball, exposure)
+        except ShotRefusedError:
+            continue
+        if in_doubt(own) or sure_bounces(own) <= sure_bounces(measured):
+            continue
+        others = [f"{a} to {b}" for a, b in stretches if (a, b) != (first, last)]
+        said = (
+            "the film's rate varies, or frames are missing, and its times do not say so: frames "
+            f"{first} to {last}, in which its rate holds, were measured, and frame numbers here "
+            f"count from frame {first}"
+        )
+        if others:
+            said += f"; as even are frames {', '.join(others)} (--frames)"
+        return AnalysedFilm(part, own, (said, *remarks(own)))
+    return None
 
 
 def _seen_elsewhere(measured: MeasuredBall) -> bool:

@@ -83,10 +83,19 @@ class OtherFallError(CarriedError):
         That was stated.
     looks, seen
         Of the ball, and where something looks like it.
+    per_frame
+        Pictures for each frame of the file, whose rate it is that a person states.
     """
 
-    def __init__(self, fall: OtherFall, diameter_m: float, looks: Looks, seen: Sightings) -> None:
-        rate = 1.0 / period_of(seen.times_s)
+    def __init__(
+        self,
+        fall: OtherFall,
+        diameter_m: float,
+        looks: Looks,
+        seen: Sightings,
+        per_frame: float = 1.0,
+    ) -> None:
+        rate = 1.0 / period_of(seen.times_s) / per_frame
         millimetres = 1e3 * diameter_m
         frame, row, column = fall.first
         last, down, across = fall.last

@@ -91,7 +91,7 @@ def flights_of(seen: Sightings, looks: Looks, stated: Floats) -> Flights | None:
     shares = list(FALLS)
     for share in shares:
         fall = share * stated
-        arcs = _arcs(seen, looks, fall)
+        arcs = arcs_of(seen, looks, fall)
         if len(shares) < MOST_FALLS and (own_share := _of_longest(arcs, looks, stated)) is not None:
             near = any(abs(own_share / other - 1.0) < NEAR_FALL for other in shares)
             shares += [] if near else [own_share]
@@ -110,7 +110,7 @@ def flights_of(seen: Sightings, looks: Looks, stated: Floats) -> Flights | None:
     return best
 
 
-def _arcs(seen: Sightings, looks: Looks, fall: Floats) -> list[Arc]:
+def arcs_of(seen: Sightings, looks: Looks, fall: Floats) -> list[Arc]:
     """Return pieces of free flight, those of one flight put together."""
     return joined(find_arcs(seen, looks.radius_px, fall), looks.radius_px, fall, seen.shape)
 
@@ -190,7 +190,7 @@ def other_fall(
     best: OtherFall | None = None
     for share in OTHER_FALLS:
         fall = share * stated
-        other = _linked(_arcs(seen, looks, fall), looks, fall, stated)
+        other = _linked(arcs_of(seen, looks, fall), looks, fall, stated)
         if other is None:
             continue
         frames, alike = agreeing(other[1], looks, fall)

@@ -20,7 +20,7 @@ from analysis.balls.found import APART_RADII, MUCH_MORE, Search, another, best_o
 from analysis.balls.gaps import Gap
 from analysis.balls.seen.arcs import Chain, Sightings
 from analysis.balls.seen.background import Brightness, background, evened, some_pixels
-from analysis.balls.seen.free_fall import STEADY_RADII
+from analysis.balls.seen.free_fall import STEADY_RADII, shown_bend
 from analysis.balls.seen.looks import (
     LEAST_RADIUS_PX,
     LEAST_SHARE,
@@ -159,10 +159,10 @@ def _searches(
             seen, gaps, flights = without_jumps(seen, looks, stated, flights)
         other = other_fall(seen, looks, stated, flights)
         if other is not None:
-            yield OtherFallError(other, ball.diameter_m, looks, seen)
+            yield OtherFallError(other, ball.diameter_m, looks, seen, film.head.per_frame)
             continue
         if flights is None:
-            said = f"{_way(seen, looks)}; no flight of four frames is in this film"
+            said = f"{_way(seen, looks, stated)}; no flight of four frames is in this film"
             yield CarriedError(said, looks, seen)
             continue
         linked, chain, fall = flights
@@ -278,7 +278,7 @@ def _beside_flights(seen: Sightings, chain: Chain, radius_px: float) -> Floats:
     return np.array(beside, dtype=np.float64).reshape(-1, 3)
 
 
-def _way(seen: Sightings, looks: Looks) -> str:
+def _way(seen: Sightings, looks: Looks, fall: Floats) -> str:
     """Say how something moves that does not fly."""
     frames = [k for k, places in enumerate(seen.places) if len(places)]
     if len(frames) < LEAST_BALL_FRAMES:
@@ -289,6 +289,14 @@ def _way(seen: Sightings, looks: Looks) -> str:
     span = f"frame {frames[0]} to {frames[-1]}, {place}; check frame rate and diameter if it flies"
     if across > 2 * down and across > STEADY_RADII * looks.radius_px:
         return f"the ball rolls or slides: {span}"
+    lasts_s = float(seen.times_s[frames[-1]] - seen.times_s[frames[0]])
+    bend, least = shown_bend(lasts_s, looks.radius_px, fall)
+    if bend < least:
+        return (
+            f"the ball is seen for too short a time to tell whether it flies ({1e3 * lasts_s:.3g} "
+            f"ms, in which a fall bends by {bend:.2f} px; from {least:.2f} px on that is seen): "
+            f"{span}"
+        )
     return f"the ball does not fall freely, as if it were held or carried: {span}"
 
 

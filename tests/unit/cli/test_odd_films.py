@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from analysis.balls import measuring
 from analysis.balls.flight.lost import Found
@@ -301,6 +302,26 @@ def test_a_film_in_slow_motion_and_a_diameter_in_another_unit_are_told_by_the_fa
     assert len(shot["positions"]["frame"]) > 100
 
 
+def test_the_rate_that_is_proposed_for_an_interlaced_film_is_that_of_its_frames(
+    tmp_path: Path, capsys: Capsys
+) -> None:
+    film = save(tmp_path / "film", odd_films.interlaced(odd_first=False))
+    shot = answer(capsys, str(film), *SIZE, "--fps", str(RATE / 16))
+    proposed = re.search(r"about ([\d.]+) frames/s \(--fps\)", shot["reason"])
+    assert proposed is not None, shot["reason"]
+    assert float(proposed[1]) == pytest.approx(RATE / 2, rel=0.05)
+
+
+def test_a_fall_of_few_frames_is_too_short_to_tell_and_not_said_to_be_held(
+    tmp_path: Path, capsys: Capsys
+) -> None:
+    film = save(tmp_path / "film", [picture(row) for row in bouncing()[60:68]])
+    shot = answer(capsys, str(film), *SIZE, "--fps", str(RATE))
+    assert shot["status"] == "refused"
+    assert "35 ms, in which a fall bends by 0.43 px" in shot["reason"]
+    assert "held" not in shot["reason"]
+
+
 def test_a_film_of_noise_is_not_taken_for_an_interlaced_one(tmp_path: Path, capsys: Capsys) -> None:
     film = save(tmp_path / "film", odd_films.noise_alone(2.0))
     shot = answer(capsys, str(film), *SIZE, "--fps", "200")
@@ -336,6 +357,20 @@ def test_a_film_whose_rate_varies_without_times_is_not_believed(
     assert notes
     assert all("frame " in note and " px" in note for note in notes)
     assert len(shot["positions"]["frame"]) > 60
+
+
+@pytest.mark.long
+def test_a_stretch_in_which_the_rate_of_a_film_without_times_holds_gives_its_bounces(
+    tmp_path: Path, capsys: Capsys
+) -> None:
+    def slower(t: NDArray[np.float64]) -> NDArray[np.float64]:
+        return t + np.clip(t - 100 / RATE, 0.0, 20 / RATE)
+
+    shot = analysed(odd_films.rate_varies(slower, 300), tmp_path, capsys)
+    note = said(shot, "in which its rate holds")
+    first = int(note.split("frames ")[2].split()[0])
+    assert 110 < first < 130
+    assert [is_true(impact, 0.8) for impact in shot["impacts"]] == [True, True]
 
 
 def turned(

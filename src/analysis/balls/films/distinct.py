@@ -51,6 +51,7 @@ class DistinctFilm(Film):
             replace(
                 film.head,
                 frames=len(self.times_s),
+                per_frame=film.head.per_frame * pictures / frames,
                 times_s=None if film.head.times_s is None else self.times_s,
                 rate_hz=1.0 / step_s,
             ),

@@ -93,6 +93,7 @@ class FieldsFilm(Film):
             replace(
                 head,
                 frames=2 * head.frames,
+                per_frame=2.0 * head.per_frame,
                 times_s=None if head.times_s is None else _times(head.times_s),
                 rate_hz=None if head.rate_hz is None else 2 * head.rate_hz,
                 notes=(*head.notes, note),

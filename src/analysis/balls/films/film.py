@@ -56,6 +56,8 @@ class FilmHead:
         whole picture's middle.
     steady
         Whether pictures were brought back to where the camera was in one of them.
+    per_frame
+        Pictures for each frame of the file: two fields, or fewer than one where frames repeat some.
     """
 
     frames: int
@@ -73,6 +75,7 @@ class FilmHead:
     whole_px: tuple[int, int] | None = None
     principal_px: tuple[float, float] | None = None
     steady: bool = False
+    per_frame: float = 1.0
 
     @property
     def whole(self) -> tuple[int, int]:

@@ -32,6 +32,8 @@ OVER_BOUNCE = 6
 MOST_E = 2.0
 """Speed after a bounce over that before it, as few sightings tell them: a plate at rest gives none,
 and what leaves faster was in pieces of its flights."""
+MOST_DOWN = 0.5
+"""Of the change of speed in a bounce, along the fall: floors push against it, and walls across."""
 MOST_SEED_RADII = 14.0
 """A ball moves by no more of its radii from one frame to the next."""
 
@@ -313,7 +315,8 @@ def _meeting(a: Arc, b: Arc, radius_px: float, fall: Floats) -> tuple[float, Flo
     shift = -float((place_b - place_a) @ jump) / size
     apart = place_b - place_a + jump * shift
     came, left = (float((own + fall * shift) @ jump) for own in (velocity_a, velocity_b))
-    if left > MOST_E * max(-came, 0.0):
+    down = float(jump @ fall) / max(1e-300, math.sqrt(size * float(fall @ fall)))
+    if left > MOST_E * max(-came, 0.0) or down > MOST_DOWN:
         return None
     time = at + shift
     margin = (MOST_MISSES + 1.5 + max(over, under)) * step

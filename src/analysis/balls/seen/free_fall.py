@@ -81,8 +81,8 @@ def bend_of(arcs: Sequence[Arc], looks: Looks, fall: Floats) -> tuple[float, flo
     """Return the bend of flights as a share of the fall, and its error; None: all too short."""
     error = SEEN_RADII * looks.radius_px + SEEN_PX
     weight = bend = 0.0
-    for arc in (_clear(each, error, fall) for each in arcs):
-        if not _bends(arc, error, fall):
+    for arc in (_clear(each, looks.radius_px, fall) for each in arcs):
+        if not _bends(arc, looks.radius_px, fall):
             continue
         gone = arc.times_s - arc.times_s.mean()
         straight = np.stack([np.ones_like(gone), gone], axis=1)
@@ -95,19 +95,24 @@ def bend_of(arcs: Sequence[Arc], looks: Looks, fall: Floats) -> tuple[float, flo
     return bend / weight / float(fall[0]), error / float(np.sqrt(weight) * fall[0])
 
 
-def _bends(arc: Arc, error: float, fall: Floats) -> bool:
+def shown_bend(lasts_s: float, radius_px: float, fall: Floats) -> tuple[float, float]:
+    """Return how far a fall lies off its chord after a time, and how far is seen, px."""
+    return float(fall[0]) * lasts_s**2 / 8, LEAST_BEND * (SEEN_RADII * radius_px + SEEN_PX)
+
+
+def _bends(arc: Arc, radius_px: float, fall: Floats) -> bool:
     """Return whether a flight is long enough to bend by more than errors of places."""
-    lasts = float(arc.times_s[-1] - arc.times_s[0])
-    return bool(fall[0] * lasts**2 / 8 >= LEAST_BEND * error)
+    bend, least = shown_bend(float(arc.times_s[-1] - arc.times_s[0]), radius_px, fall)
+    return bend >= least
 
 
-def _clear(arc: Arc, error: float, fall: Floats) -> Arc:
+def _clear(arc: Arc, radius_px: float, fall: Floats) -> Arc:
     """Return a flight without its ends, which a wide search follows over bounces, if it bends."""
     count = len(arc.frames)
     if count < LEAST_CLEAR:
         return arc
     inside = arc.part(AT_BOUNCE, count - AT_BOUNCE)
-    return inside if _bends(inside, error, fall) else arc
+    return inside if _bends(inside, radius_px, fall) else arc
 
 
 def flying(chain: Chain, looks: Looks, fall: Floats) -> Chain:

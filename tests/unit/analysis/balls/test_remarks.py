@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from analysis.arrays import Floats
+from analysis.balls.even import even_stretches, in_doubt
 from analysis.balls.films.film import FilmHead
 from analysis.balls.flight.fit import fit_flights
 from analysis.balls.flight.flights import Flights
@@ -18,6 +19,7 @@ from analysis.balls.seen.arcs import Arc, Chain
 from analysis.balls.seen.looks import Looks
 from analysis.balls.seen.placing import Placed
 from tests.unit.analysis.balls.parabolas import BOUNCES, PLATE, RATE, known, parabolas, start
+from tests.unit.cli.falling_ball import DIAMETER_MM, bouncing
 
 HEIGHT, WIDTH, RADIUS = 1080, 1920, 46.0
 
@@ -141,3 +143,22 @@ def test_places_that_scatter_far_more_than_each_is_uncertain_are_said() -> None:
         own = [each for each in found if "times as far as the light" in each]
         assert len(own) == told
         assert not told or "px about free flights, 5 times as far" in own[0]
+
+
+def test_stretches_of_a_film_in_which_its_rate_holds_are_told_by_how_the_ball_falls() -> None:
+    """For 20 frames after its first bounce a camera takes half as many as its file says."""
+    rows = np.array(bouncing(3000, per_frame=10))[::10]
+    shown = np.concatenate([rows[:100], rows[100:140:2], rows[140:]])
+    frames = np.arange(len(shown), dtype=float)
+    seen = np.column_stack([frames, shown, np.full(len(shown), 60.0)])
+    film = film_of(np.column_stack([shown[:3], np.full(3, 60.0)]), 0, seen[3:], len(shown))
+    looks = replace(film.looks, radius_px=14.0)
+    film = replace(film, search=replace(film.search, looks=looks))
+    assert in_doubt(film)
+    found = even_stretches(film, frames / 200.0, Ball(1e-3 * DIAMETER_MM))
+    (a, b), (c, d) = found
+    # Bounces are at frames 67.6, 156 and 242.
+    assert 110 < a < 130
+    assert b > 250
+    assert c == 0
+    assert 90 < d < 110
