@@ -15,7 +15,7 @@ LIKE_RADIUS = 1.08
 """Discs whose radii differ by less than this factor are alike."""
 PRINT = 0.45
 """A disc on a larger one, smaller than this share of it, is its gloss or a print."""
-CLOSE, SURE_CLOSE = 0.55, -12.0
+CLOSE, SURE_CLOSE = 0.55, -20.0
 """Two circles nearer than this share of the larger radius, of which the less sure one has a larger
 log10 of false alarms than this, are one thing's that is no circle: a ball with its shadow."""
 WITHIN = 1.05

@@ -62,6 +62,8 @@ SHARP, SHARPER, MOST_SHARPER = 1.3, 50.0, 0.02
 it, and how far above it counts."""
 SOFTER = 0.07
 """By how much less sharp than theirs the rim of a disc like others may be."""
+LEAST_CLEAR = 0.6
+"""Share of a rim that is clear of surer discs' rims that counts as a whole one."""
 BLOTCH = 0.4
 """Width of the ellipse that takes blotches off, in radii."""
 
@@ -353,13 +355,14 @@ def _levels(values: Singles, sought: _Sought, versions: tuple[int | None, ...]) 
 def _judged(level: _Level, weights: Singles, place: Floats, tests: float) -> Disc | None:
     fit = fit_circle(level.gradient.edges, weights, np.ascontiguousarray(place), len(PASSES))
     radius, sectors = float(fit[2]), float(fit[6])
-    if radius <= 0 or sectors < LEAST_SECTORS:
+    if radius <= 0 or sectors < LEAST_SECTORS * LEAST_CLEAR:
         return None
     if not (0.9 * level.radii[0] < radius < 1.1 * level.radii[1]):
         return None
-    alarms, rim = false_alarms(
-        level.gradient.field, level.gradient.threshold, fit[:3].copy(), tests
-    ).tolist()
+    field, threshold = level.gradient.field, level.gradient.threshold
+    alarms, rim, clear = false_alarms(field, threshold, fit[:3].copy(), tests).tolist()
+    if sectors < LEAST_SECTORS * max(LEAST_CLEAR, clear):
+        return None
     row_sigma, column_sigma, radius_sigma = (CORRELATED * level.factor * fit[3:6]).tolist()
     return Disc(
         row=level.outward(float(fit[0])),
@@ -384,6 +387,6 @@ def _take(level: _Level, weights: Singles, disc: Disc) -> None:
         level.gradient.field[0],
         (round(column), round(row)),
         max(1, round(radius)),
-        0.0,
+        -1.0,
         thickness=max(1, round(2 * band)),
     )

@@ -223,9 +223,10 @@ def false_alarms(
     circle: NDArray[np.float64],
     log_tests: float,
 ) -> NDArray[np.float64]:
-    """Return log10 of the number of false alarms of a circle, and the share of its rim seen.
+    """Return log10 of a circle's false alarms, the share of its rim seen, and of it clear.
 
-    Samples of the rim outside the picture count neither way.
+    Samples of the rim outside the picture, and those that are not clear, as the rim of a surer disc
+    is there (a negative size), count neither way.
 
     Parameters
     ----------
@@ -235,13 +236,16 @@ def false_alarms(
     _, rows, columns = field.shape
     row, column, radius = circle
     wanted = max(12, int(2.0 * math.pi * radius / SAMPLE_PX))
-    samples = 0
+    shown = samples = 0
     hits = np.zeros(len(_ALONG), np.int64)
     for k in range(wanted):
         angle = 2.0 * math.pi * k / wanted
         u, v = math.sin(angle), math.cos(angle)
         i, j = round(row + radius * u), round(column + radius * v)
         if i < 0 or j < 0 or i >= rows or j >= columns:
+            continue
+        shown += 1
+        if field[0, i, j] < 0.0:
             continue
         samples += 1
         if field[0, i, j] < LEAST_OF_EDGES * threshold:
@@ -250,8 +254,9 @@ def false_alarms(
         for m in range(len(_ALONG)):
             if along >= _ALONG[m]:
                 hits[m] += 1
-    found = np.zeros(2)
+    found = np.zeros(3)
     found[0] = log_tests
+    found[2] = samples / max(shown, 1)
     if samples >= LEAST_POINTS:
         best = 0.0
         for m in range(len(_ALONG)):

@@ -10,7 +10,8 @@ import pytest
 from numpy.typing import NDArray
 
 from analysis.balls.discs.finding import find_balls
-from analysis.balls.discs.judging import log_binomial_tail
+from analysis.balls.discs.gradient import gradient
+from analysis.balls.discs.judging import false_alarms, log_binomial_tail
 
 REAL = Path(__file__).parents[5] / "shared" / "data" / "real-images"
 
@@ -86,6 +87,23 @@ def test_stripes_and_corners_show_no_discs() -> None:
 def test_deep_pictures_are_taken_as_they_are() -> None:
     deep = drawn([(80.0, 120.0, 25.0, 200.0)]).astype(np.uint16) * 200
     assert len(find_balls(deep, (15.0, 35.0))) == 1
+
+
+def test_where_a_surer_disc_has_its_rim_the_one_behind_it_need_not_show_its_own() -> None:
+    shown = np.atleast_3d(drawn([(80.0, 120.0, 30.0, 200.0)])).astype(np.float32)
+    found = gradient(shown)
+    circle = np.array([80.0, 120.0, 30.0])
+    taken, gone = found.field.copy(), found.field.copy()
+    taken[0, :, :112], gone[0, :, :112] = -1.0, 0.0
+    clear, hidden = (
+        false_alarms(field, found.threshold, circle.copy(), 6.0) for field in (taken, gone)
+    )
+    # Of all angles those are left whose cosine is above -8/30.
+    share = 1.0 - np.arccos(8.0 / 30.0) / np.pi
+    assert clear[2] == pytest.approx(share, abs=0.03)
+    assert hidden[2] == 1.0
+    assert clear[1] == pytest.approx(hidden[1])
+    assert clear[0] < hidden[0] - 5.0
 
 
 def test_the_tail_of_the_binomial_is_that_of_its_sum() -> None:
