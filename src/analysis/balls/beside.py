@@ -167,6 +167,9 @@ def one_more(measured: MeasuredBall, flights: Flights) -> Iterator[str]:
     """Say where and why a bounce that ends the last flight is not measured."""
     head, radius = measured.head, measured.looks.radius_px
     time = flights.next_contact_s
+    latest = max(float(own.contacts[-1, 0]) for _, own in measured.surfaces)
+    if flights.off_a_wall or latest > flights.contacts[-1, 0]:
+        return
     row, column, _ = flights.at(np.array([time]), np.array([flights.bounces]))[0]
     delay = float(flights.row_delay(np.array([[row, column]]))[0])
     frame = frame_at(measured.times_s, time - delay)

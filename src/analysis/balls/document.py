@@ -126,6 +126,7 @@ def ball_document(measured: MeasuredBall, notes: tuple[str, ...]) -> Json:
     else:
         found = [coefficient(measured, bounce) for bounce in range(flights.bounces)]
         document = flights_document(flights, found, measured.scatter, times) | _camera(flights)
+        document["impacts"] = with_others(document["impacts"], _at_others(measured))
     document["frame_rate_hz"] = 1.0 / period_of(times)
     looks, placed = measured.looks, measured.placed
     document["ball"] = {
@@ -139,6 +140,30 @@ def ball_document(measured: MeasuredBall, notes: tuple[str, ...]) -> Json:
     }
     document["notes"] = list(notes)
     return document
+
+
+def _at_others(measured: MeasuredBall) -> list[list[Json]]:
+    """Return the bounces off each of the other surfaces."""
+    return [
+        [flight_impact(flights, k, coefficient(one, k), one.times_s) for k in range(one.bounces)]
+        for one, flights in measured.surfaces[1:]
+    ]
+
+
+def with_others(impacts: list[Json], others: Sequence[list[Json]]) -> list[Json]:
+    """Return the bounces off all surfaces in order of time, each with its `surface`.
+
+    Surface 0 is that of `poses`; others are walls, which are of another material as a rule. Where
+    there is one alone, none is named.
+    """
+    if not others:
+        return impacts
+    every = [
+        {**impact, "surface": number}
+        for number, own in enumerate([impacts, *others])
+        for impact in own
+    ]
+    return sorted(every, key=lambda impact: float(impact["contact_time_s"]))
 
 
 def flights_document(
@@ -155,7 +180,7 @@ def flights_document(
     times_s
         Of all frames.
     """
-    impacts = [_impact(flights, k, each, times_s) for k, each in enumerate(found)]
+    impacts = [flight_impact(flights, k, each, times_s) for k, each in enumerate(found)]
     alone = impacts[0] if len(impacts) == 1 else {}
     drag = flights.values[path.DRAG] * flights.scale_px_per_m
     return {
@@ -180,7 +205,7 @@ def positions(placed: Placed, times_s: Floats) -> Json:
     }
 
 
-def _impact(flights: Flights, bounce: int, found: Coefficient, times_s: Floats) -> Json:
+def flight_impact(flights: Flights, bounce: int, found: Coefficient, times_s: Floats) -> Json:
     """Return one bounce: speeds along the plate's normal and beside it, e, and when.
 
     Signs as in section 7.1 of the thesis with the plate as sphere b: v_n is negative before

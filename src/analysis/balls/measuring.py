@@ -17,12 +17,13 @@ from analysis.balls.flight.known import Ball, Known, View
 from analysis.balls.flight.lost import contradicted, find_gap, unsure_e
 from analysis.balls.found import Search
 from analysis.balls.gaps import Gap, mended
+from analysis.balls.hands import free, let_go
 from analysis.balls.searching import search
 from analysis.balls.seen.arcs import Chain
-from analysis.balls.seen.free_fall import rests
 from analysis.balls.seen.looks import Looks
 from analysis.balls.seen.placing import Placed, Placer
 from analysis.balls.seen.windows import Motion, Seen, Window, cut_windows
+from analysis.balls.surfaces import parts
 from analysis.balls.systematics import (
     ByRadius,
     RimsOff,
@@ -40,8 +41,6 @@ REPEATS, MOST_REPEATS = 3, 5
 SETTLED_E = 1e-3
 NEIGHBOURS = 5
 """Sightings before and after that tell a speed before any flight is fitted."""
-MUCH_LEFT = 6.0
-"""Mean square that a fit leaves, over the film's median: something else is at the ball."""
 LEAST_SIGMA = 0.3
 """Of the median stated error: no frame counts for more."""
 LEAST_CODEC_E = 5e-4
@@ -86,6 +85,8 @@ class MeasuredBall:
         Frames that are missing; `times_s` holds the time that they took.
     more_gaps
         Whether frames are missing at more places than are mended.
+    others
+        The ball at other surfaces of the same film: walls, and a plate before or after one.
     """
 
     search: Search
@@ -100,6 +101,7 @@ class MeasuredBall:
     head: FilmHead
     gaps: tuple[Gap, ...] = ()
     more_gaps: bool = False
+    others: tuple[MeasuredBall, ...] = ()
 
     @property
     def looks(self) -> Looks:
@@ -110,6 +112,11 @@ class MeasuredBall:
     def bounces(self) -> int:
         """Return how many bounces were fitted."""
         return 0 if self.flights is None else self.flights.bounces
+
+    @property
+    def surfaces(self) -> list[tuple[MeasuredBall, Flights]]:
+        """Return what was measured at each surface, with its flights; this one first."""
+        return [(one, one.flights) for one in (self, *self.others) if one.flights is not None]
 
     @property
     def chain(self) -> Chain:
@@ -178,18 +185,35 @@ def _measured(
 ) -> tuple[MeasuredBall, list[_Fit]]:
     """Return what a film shows at these times, and what its flights were fitted to each time."""
     found = search(film, times_s, ball, complete=complete)
+    stated = ball, exposure_s
+    every = [
+        _at_surface(film, replace(found, chain=part.chain), stated, part.lean)
+        for part in parts(found.chain, found.fall)
+    ]
+    # The first surface off which a bounce is measured; of the others those that have one.
+    first, fits = next((one for one in every if one[0].bounces), every[0])
+    beside = tuple(one for one, _ in every if one is not first and one.bounces)
+    return replace(first, others=beside), fits
+
+
+def _at_surface(
+    film: Film, found: Search, stated: tuple[Ball, float | None], lean: float
+) -> tuple[MeasuredBall, list[_Fit]]:
+    """Return the flights about bounces off one surface, and what they were fitted to each time."""
+    ball, exposure_s = stated
     looks, chain, times_s = found.looks, found.chain, found.times_s
     period = float(np.median(np.diff(times_s)))
     motion = _first_motion(chain, found.fall)
     placer = Placer.new(looks.radius_px, exposure_s or 0.0)
     longest = period if exposure_s is None else exposure_s
-    known = Seen(found.gains, found.about, found.unexplained)
+    seen = Seen(found.gains, found.about, found.unexplained)
     looks, windows = _windows(
-        placer, looks, motion, lambda ball: cut_windows(film, ball, motion, longest, known)
+        placer, looks, motion, lambda ball: cut_windows(film, ball, motion, longest, seen)
     )
     told = None if exposure_s is not None else placer.learn_exposure(windows, motion, period)
-    clear = _free(placer.place(windows, motion), chain)
-    bare = placed = _let_go(clear, chain, times_s, looks.radius_px)
+    clear = free(placer.place(windows, motion), chain)
+    flown = let_go(clear.frames, clear.places[:, 0], (chain, times_s), looks.radius_px)
+    bare = placed = clear.of(flown)
     of_radius: ByRadius | None = None
     flights, told_by, earlier, own, row_time = None, placed, placed, windows, 0.0
     by_rims: RimsOff | None = None
@@ -197,13 +221,13 @@ def _measured(
     fits: list[_Fit] = []
     for repeat in range(MOST_REPEATS if len(chain.times_s) else 0):
         view = _view(film.head, period, placer.exposure_s)
-        observed, start = _observed(placed, times_s, of_radius), _start(found)
-        stated = Known(ball, view, looks.radius_px, looks.radius_sigma_px)
-        fitted = fit_flights(observed, start, stated, flights)
+        observed, start = _observed(placed, times_s, of_radius), _start(found, lean)
+        known = Known(ball, view, looks.radius_px, looks.radius_sigma_px)
+        fitted = fit_flights(observed, start, known, flights)
         if fitted is None:
             break
         flights, told_by, earlier = fitted, placed, told_by
-        fits.append((observed, start, stated, fitted))
+        fits.append((observed, start, known, fitted))
         coefficients.append(flights.contacts[:, 3] / flights.contacts[:, 1])
         settled = _last_change(coefficients).max() < SETTLED_E
         if repeat == MOST_REPEATS - 1 or (settled and repeat + 1 >= REPEATS):
@@ -235,10 +259,17 @@ def _measured(
         exposure_found=None if told is None else float(told[1]),
         flights=flights,
         unsettled_e=_last_change(coefficients),
-        unsure_e=np.zeros(0) if flights is None else unsure_e(flights),
+        unsure_e=_unsure(flights),
         head=film.head,
     )
-    return measured, fits
+    return measured, [] if lean else fits
+
+
+def _unsure(flights: Flights | None) -> Floats:
+    """Return by how much e changes with a time that seems to be missing; none tells it of walls."""
+    if flights is None or flights.off_a_wall:
+        return np.zeros(0 if flights is None else flights.bounces)
+    return unsure_e(flights)
 
 
 def _windows(
@@ -293,37 +324,6 @@ def _placed(
     return placed, apart_sigmas(flights, moved)
 
 
-def _free(placed: Placed, chain: Chain) -> Placed:
-    """Return places without those at both ends of the film's flights where a hand is at the ball.
-
-    What lies over the ball, or moves beside it, leaves much of the light unexplained. That is told
-    before the film has taught the ball's light: then so does a ball that is lit otherwise there.
-    """
-    if not len(placed.frames):
-        return placed
-    odd = placed.misfits > MUCH_LEFT * np.median(placed.misfits)
-    first, last = chain.arcs[0], chain.arcs[-1]
-    begins = odd & (placed.frames < first.frames[len(first.frames) // 2])
-    ends = odd & (placed.frames > last.frames[len(last.frames) // 2])
-    low = placed.frames[begins].max(initial=-1)
-    high = placed.frames[ends].min(initial=int(last.frames[-1]) + 1)
-    return placed.of((placed.frames > low) & (placed.frames < high))
-
-
-def _let_go(placed: Placed, chain: Chain, times_s: Floats, radius_px: float) -> Placed:
-    """Return places without those of a ball that rests before its flights or after them."""
-    kept = np.ones(len(placed.frames), dtype=bool)
-    begins, ends = (
-        placed.frames[np.isin(placed.frames, a.frames)] for a in (chain.arcs[0], chain.arcs[-1])
-    )
-    rows = dict(zip(placed.frames.tolist(), placed.places[:, 0].tolist(), strict=True))
-    for frames in (begins, ends[::-1]):
-        own = np.array([rows[frame] for frame in frames.tolist()])
-        still = rests(times_s[frames], own, radius_px)
-        kept &= ~np.isin(placed.frames, frames[:still])
-    return placed.of(kept)
-
-
 def _last_change(coefficients: Sequence[Floats]) -> Floats:
     """Return by how much e of each bounce has changed when the ball's light was learned last."""
     if not coefficients:
@@ -371,10 +371,10 @@ def _observed(placed: Placed, times_s: Floats, of_radius: ByRadius | None) -> Ob
     return replace(plain, leans=own.shifts, sizes=own.sizes)
 
 
-def _start(found: Search) -> Start:
+def _start(found: Search, lean: float) -> Start:
     chain, fall = found.chain, found.fall
     own = float(fall[0]) if found.contradicts else None
-    return Start(chain.times_s, chain.places, *chain.speeds(fall), own)
+    return Start(chain.times_s, chain.places, *chain.speeds(fall), own, lean)
 
 
 def coefficient(measured: MeasuredBall, bounce: int) -> tuple[float, float]:

@@ -42,10 +42,28 @@ def _remarks(measured: MeasuredBall) -> Iterator[str]:
     if measured.flights is None:
         yield _no_bounce(chain.arcs[0], head.frames - 1)
         return
+    yield from _walls(measured)
     yield from one_more(measured, measured.flights)
-    yield from _of_flights(measured.flights, head)
-    yield from _do_not_count(measured, measured.flights)
-    yield from doubts(measured, measured.flights)
+    for one, flights in measured.surfaces:
+        yield from _of_flights(flights, head)
+        yield from _do_not_count(one, flights)
+        yield from doubts(one, flights)
+
+
+def _walls(measured: MeasuredBall) -> Iterator[str]:
+    """Say which bounces are off a wall, and which surface the poses are about."""
+    surfaces = [flights for _, flights in measured.surfaces]
+    contacts = [(float(time), one.off_a_wall) for one in surfaces for time in one.contacts[:, 0]]
+    order = sorted(contacts)
+    walls = [k for k, (_, off_a_wall) in enumerate(order, start=1) if off_a_wall]
+    if not walls:
+        return
+    said = f"bounce{'s' * (len(walls) > 1)} {', '.join(map(str, walls))}"
+    yield (
+        f"{said} of {len(order)}: off a wall, taken to be plumb within 0.01 rad; places in rig "
+        "axes (poses, --out) are those about "
+        + ("that wall" if surfaces[0].off_a_wall else "the plate, floor or table")
+    )
 
 
 def _no_bounce(arc: Arc, last: int) -> str:

@@ -61,12 +61,13 @@ def _over_a_frame(axes: Axes, film: AnalysedFilm) -> None:
         axes.add_patch(
             Circle((column, row), measured.looks.radius_px, fill=False, color=colour, lw=0.9)
         )
-    _dots(axes, measured, placed.places[:, 1], colour)
-    if measured.flights is not None:
-        for times, arcs in _pieces(measured.flights):
-            way = measured.flights.at(times, arcs)
+    for one in (measured, *measured.others):
+        _dots(axes, one, one.placed.places[:, 1], colour)
+    for _, flights in measured.surfaces:
+        for times, arcs in _pieces(flights):
+            way = flights.at(times, arcs)
             axes.plot(way[:, 1], way[:, 0], color=FAILS, lw=0.8)
-        places = _contacts(measured.flights)
+        places = _contacts(flights)
         _ring(axes, places[:, 1], places[:, 0])
     axes.set_xlim(-0.5, picture.shape[1] - 0.5)
     axes.set_ylim(picture.shape[0] - 0.5, -0.5)
@@ -123,31 +124,36 @@ def _contacts(flights: Flights) -> Floats:
 
 def _course(axes: Axes, film: AnalysedFilm) -> None:
     measured = film.measured
-    placed = measured.placed
-    _dots(axes, measured, measured.times_s[placed.frames], MEASURED)
-    flights = measured.flights
-    if flights is not None:
+    for one in (measured, *measured.others):
+        _dots(axes, one, one.times_s[one.placed.frames], MEASURED)
+    for _, flights in measured.surfaces:
         for times, arcs in _pieces(flights):
             way = flights.at(times, arcs)
+            first = flights is measured.flights and arcs[0] == 0
             axes.plot(
                 times - flights.row_delay(way),
                 way[:, 0],
                 color=FAILS,
                 lw=0.8,
-                label="flights" if arcs[0] == 0 else None,
+                label="flights" if first else None,
             )
-        _mark_bounces(axes, flights)
+    _mark_bounces(axes, measured)
     _legend(axes)
     axes.invert_yaxis()
     axes.set_ylabel("row, px")
 
 
-def _mark_bounces(axes: Axes, flights: Flights) -> None:
+def _mark_bounces(axes: Axes, measured: MeasuredBall) -> None:
     """Ring the bounces on the film's clock, and number them as their coefficients are."""
-    places = _contacts(flights)
-    times = flights.contacts[:, 0] - flights.row_delay(places)
-    _ring(axes, times, places[:, 0])
-    for number, (time, row) in enumerate(zip(times, places[:, 0], strict=True), start=1):
+    marks: list[tuple[float, float]] = []
+    for _, flights in measured.surfaces:
+        places = _contacts(flights)
+        times = flights.contacts[:, 0] - flights.row_delay(places)
+        marks += zip(times.tolist(), places[:, 0].tolist(), strict=True)
+    if not marks:
+        return
+    _ring(axes, *np.array(marks).T)
+    for number, (time, row) in enumerate(sorted(marks), start=1):
         axes.annotate(
             str(number),
             (time, row),
@@ -159,23 +165,25 @@ def _mark_bounces(axes: Axes, flights: Flights) -> None:
 
 
 def _residuals(axes: Axes, film: AnalysedFilm) -> None:
-    flights = film.measured.flights
     axes.set_ylabel("place less flight, px")
     axes.set_xlabel("time, s")
-    if flights is None:
+    every = [flights for _, flights in film.measured.surfaces]
+    if not every:
         return
-    times = flights.observed.times_s[flights.used]
     axes.axhline(0.0, color=GREY, lw=0.6)
+    times = np.concatenate([flights.observed.times_s[flights.used] for flights in every])
+    left = np.concatenate([flights.residuals[flights.used] for flights in every])
     for index, (name, colour) in enumerate((("row", MEASURED), ("column", GREY))):
-        axes.plot(
-            times, flights.residuals[flights.used, index], ".", color=colour, ms=3, label=name
-        )
+        axes.plot(times, left[:, index], ".", color=colour, ms=3, label=name)
     _legend(axes)
 
 
 def _legend(axes: Axes) -> None:
     """Name what is drawn above the axes: within them the names would lie on the points."""
+    named = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
     axes.legend(
+        named.values(),
+        named.keys(),
         fontsize=8,
         frameon=False,
         loc="lower right",
@@ -191,8 +199,20 @@ def _coefficients(axes: Axes, film: AnalysedFilm) -> None:
         axes.axis("off")
         axes.text(0.0, 0.9, "\n".join(film.notes), va="top", fontsize=9, wrap=True)
         return
-    speeds = flights.contacts[:, 1] / flights.scale_px_per_m
-    found = [coefficient(film.measured, bounce) for bounce in range(len(speeds))]
+    each = sorted(
+        (
+            (
+                float(own.contacts[k, 0]),
+                own.contacts[k, 1] / own.scale_px_per_m,
+                coefficient(one, k),
+            )
+            for one, own in film.measured.surfaces
+            for k in range(own.bounces)
+        ),
+        key=lambda bounce: bounce[0],
+    )
+    speeds = np.array([speed for _, speed, _ in each])
+    found = [e for _, _, e in each]
     for speed, (value, sigma) in zip(speeds.tolist(), found, strict=True):
         axes.errorbar(speed, value, sigma, fmt="o", color=MEASURED, ms=4, capsize=2)
     axes.margins(x=0.2, y=0.3)

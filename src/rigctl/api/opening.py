@@ -102,7 +102,8 @@ def _impacts(documents: Mapping[int, Json], bodies: tuple[Body, Body]) -> Impact
     """
     numbers, velocities, covariance = [], [], []
     for shot, document in documents.items():
-        for k, each in enumerate(document["impacts"], start=1):
+        own = (impact for impact in document["impacts"] if not impact.get("surface"))
+        for k, each in enumerate(own, start=1):
             before, after, e = (Quantity.from_json(each[key]) for key in ("v_n", "v_n_after", "e"))
             numbers.append(BOUNCES_A_SHOT * shot + k)
             row, spread = np.full(4, np.nan), np.eye(4)

@@ -48,6 +48,26 @@ def said(shot: Any, words: str) -> str:
     return str(notes[0])
 
 
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_ball_that_is_thrown_at_a_wall_has_e_of_the_wall(
+    side: int, tmp_path: Path, capsys: Capsys
+) -> None:
+    e, speed, fall, met = 0.7, 480.0, 2800.0, 0.17
+    times = np.arange(66) / RATE
+    rows = 110.0 - 220.0 * times + 0.5 * fall * times**2
+    across = np.where(times < met, speed * (times - met), -e * speed * (times - met))
+    columns = 60.0 + side * (45.0 + across)
+    pictures = [picture(row, column) for row, column in zip(rows, columns, strict=True)]
+    shot = analysed(pictures, tmp_path, capsys)
+    (impact,) = shot["impacts"]
+    assert impact["e"]["value"] == pytest.approx(e, abs=4 * impact["e"]["sigma"])
+    assert impact["e"]["sigma"] < 0.03
+    assert impact["contact_time_s"] == pytest.approx(met, abs=0.002)
+    assert impact["normal"] == pytest.approx([0.0, side, 0.0], abs=0.03)
+    assert impact["v_n"]["value"] == pytest.approx(-speed / fall * 9.80665, rel=0.03)
+    assert "bounce 1 of 1: off a wall" in said(shot, "off a wall")
+
+
 @pytest.mark.parametrize("odd_first", [False, True])
 def test_fields_of_an_interlaced_film_are_measured_each_at_its_own_time(
     odd_first: bool, tmp_path: Path, capsys: Capsys

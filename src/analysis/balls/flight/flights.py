@@ -16,6 +16,8 @@ LEAST_PLACES = 4
 """A flight of fewer frames ends the chain."""
 MOST_LEFT_OUT = 0.2
 """Of all places, that lie off the flights or next to a contact."""
+STEEP = math.pi / 4.0
+"""Angle of a plate, from which on it is a wall."""
 LARGE_CHI2 = 400.0
 """Mean square of the residuals in errors that a codec and shading do not make."""
 
@@ -70,6 +72,9 @@ class Start:
         Shapes (B,), (B, 2), (B, 2), (B, 2): s, px, px/s, in (row, column).
     fall
         Free fall, px/s^2, where flights bend otherwise than the stated diameter says; else None.
+    lean
+        Angle of the plate against the horizontal, rad: 0, or a quarter turn of a wall, positive on
+        the left.
     """
 
     times_s: Floats
@@ -77,6 +82,7 @@ class Start:
     before: Floats
     after: Floats
     fall: float | None = None
+    lean: float = 0.0
 
     def of(self, chosen: slice) -> Start:
         """Return some of the bounces."""
@@ -86,6 +92,7 @@ class Start:
             self.before[chosen],
             self.after[chosen],
             self.fall,
+            self.lean,
         )
 
 
@@ -168,8 +175,15 @@ class Flights:
         return np.asarray(self.covariance + np.outer(self.by_rise, self.by_rise))
 
     @property
+    def off_a_wall(self) -> bool:
+        """Return whether the plate is a wall, which no flight falls back to."""
+        return bool(abs(self.values[path.TILT]) > STEEP)
+
+    @property
     def next_contact_s(self) -> float:
         """Return when the last flight meets the plate again, s, but for the drag of the air."""
+        if self.off_a_wall:
+            return math.inf
         lasts = 2.0 * self.contacts[-1, 3] / self.values[path.FALL]
         stay = max(0.0, float(self.values[path.STAY]))
         return float(self.contacts[-1, 0] + stay + lasts)

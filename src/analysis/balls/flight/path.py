@@ -20,13 +20,13 @@ ASLANT, HALF, OUTLINE = 18, 19, 20
 PRINCIPAL = [MIDDLE_ROW, MIDDLE_COLUMN]
 """First contact's time, approach speed, column from the middle and speed across before it; fall,
 px/s^2; drag, 1/px; time a row or column, s; perspective, 1/px; the vertical's angle in the picture;
-row of contact; slope of the plate; duration of the first contact, s; speed away from the camera
-before it, in distances of the camera a second; shift of a smeared ball's centre along the rows by
-its speed, s; barrel distortion at half the picture's larger side; the principal point, about which
-it acts as perspective does; power of the approach speed by which contacts last shorter: 1/5 by
-H. Hertz (1881), 0 by a linear spring; squared larger side of the picture over the focal length,
-which `outlines` takes; half of that side; how much larger the ball is than the radius with which
-its places were fitted, relative."""
+row of contact; angle of the plate, a quarter turn for a wall; duration of the first contact, s;
+speed away from the camera before it, in distances of the camera a second; shift of a smeared ball's
+centre along the rows by its speed, s; barrel distortion at half the picture's larger side; the
+principal point, about which it acts as perspective does; power of the approach speed by which
+contacts last shorter: 1/5 by H. Hertz (1881), 0 by a linear spring; squared larger side of the
+picture over the focal length, which `outlines` takes; half of that side; how much larger the ball
+is than the radius with which its places were fitted, relative."""
 COMMON = 21
 EACH = 3
 """For each bounce: speeds away from the plate and across, what it gains away from the camera."""
@@ -72,17 +72,18 @@ def _fly(state: NDArray[np.float64], time: float, forces: NDArray[np.float64]) -
 
 
 @part
-def _meet(state: NDArray[np.float64], slope: float, lasts: float, forces: Floats) -> float:
+def _meet(state: NDArray[np.float64], tilt: float, lasts: float, forces: Floats) -> float:
     """Move a state on to where it meets the plate again; return how long that takes.
 
     `lasts` is a first guess; the rest are Newton's steps.
     """
     level, begun = state[0], state[1]
+    normal_down, normal_across = math.cos(tilt), -math.sin(tilt)
     _fly(state, lasts, forces)
     guess = lasts
     for _ in range(12):
-        above = state[0] - level - (state[1] - begun) * slope
-        closing = state[2] - state[3] * slope
+        above = (state[0] - level) * normal_down + (state[1] - begun) * normal_across
+        closing = state[2] * normal_down + state[3] * normal_across
         if abs(closing) < 1e-6:
             break
         step = min(max(-above / closing, -0.5 * guess), 0.5 * guess)
@@ -157,7 +158,6 @@ def places(
     forces[1] = values[FALL] * math.sin(values[ROLL])
     forces[2] = values[DRAG]
     normal_down, normal_across = math.cos(values[TILT]), -math.sin(values[TILT])
-    slope = math.tan(values[TILT])
     longest = LONGEST_FILMS * (times.max() - times.min()) + LARGEST_STEP_S
     state, start = np.empty(4), np.empty(4)
     # Before the first bounce, backward from it.
@@ -186,8 +186,8 @@ def places(
         contacts[k, 5] = state[1]
         lasts = values[STAY] * _lengthened(contacts[0, 1], contacts[k, 1], values[SHORTENING])
         # While a contact lasts the ball goes on along the plate, at the mean of its two speeds.
-        along = 0.5 * (state[3] + beside) * lasts
-        start[0], start[1] = state[0] + along * slope, state[1] + along
+        along = 0.5 * (contacts[k, 2] + contacts[k, 4]) * lasts
+        start[0], start[1] = state[0] - along * normal_across, state[1] + along * normal_down
         start[2], start[3] = -away, beside
         begun += lasts
         state[:] = start
@@ -200,7 +200,7 @@ def places(
                 found[n, 2] = depth + receding * (at - begun)
         state[:] = start
         guess = 2.0 * away / max(forces[0], 1e-9)
-        lasted = _meet(state, slope, min(max(guess, SHORTEST_S), longest), forces)
+        lasted = _meet(state, values[TILT], min(max(guess, SHORTEST_S), longest), forces)
         begun += lasted
         depth += receding * lasted
     _seen(values, found)

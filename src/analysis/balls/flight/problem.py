@@ -45,6 +45,8 @@ def outlines(values: Floats, seen: Floats) -> Floats:
 
 
 LOGARITHMS = [path.FALL, path.DRAG, path.ASLANT]
+THROWN_SHARE = 0.1
+"""Of a thrown ball's speed: how much of it may be along the line of sight."""
 MARGIN = 0.03
 """Of the time between frames: nothing is taken so near a contact, beside half the exposure."""
 LAST_MARGIN = 0.5
@@ -68,13 +70,29 @@ LOW_RADII = 0.5
 """A flight that rises no higher ends a chain of higher ones: it lies over its own shadow."""
 
 
+def _beside(start: Start) -> tuple[Floats, Floats]:
+    """Return speeds before and after each bounce as those of a ball that is dropped on a plate.
+
+    What tells how a ball may drift along the line of sight is its speed across the picture; of one
+    that is thrown at a wall that is a part of all its speed, and what friction and spin may change
+    is its speed along the wall.
+    """
+    if not start.lean:
+        return start.before, start.after
+    before, after = (
+        np.column_stack([np.hypot(*speeds.T), THROWN_SHARE * np.hypot(*speeds.T)])
+        for speeds in (start.before, start.after)
+    )
+    return before, after
+
+
 class Problem:
     """The fit's numbers, what they are about, and how places follow from them."""
 
     def __init__(self, observed: Observed, start: Start, known: Known) -> None:
         ball, view = known.ball, known.view
         self.observed, self.view, self.ball = observed, view, ball
-        self.bounces = len(start.times_s)
+        self.bounces, self.lean, beside = len(start.times_s), start.lean, _beside(start)
         self.scale, self.scale_sigma = known.scale()
         drag, drag_spread = ball.drag_per_m()
         row_time, row_sigma = view.row_time()
@@ -99,16 +117,16 @@ class Problem:
         know(path.BARREL, 0.0, BARREL_SIGMA)
         know(path.ASLANT, *view.aslant(self.scale))
         know(path.OUTLINE, 0.0, known.outline_sigma() if observed.leans is not None else 0.0)
-        receding = view.receding_sigma(start.before, start.after, per_focal)
+        receding = view.receding_sigma(*beside, per_focal)
         if observed.bare:
             receding *= BARE_SHARE
         know(path.DEPTH, 0.0, receding)
         self.begin = self._begin(start)
-        self.plate_row, self.radius_px = float(self.begin[path.PLATE]), known.radius_px
+        self.plate, self.radius_px = np.median(start.places, axis=0), known.radius_px
         high = ~self.near(observed.places)
         by_sizes = drift(observed, start.times_s, high, known)
         told = self._told(count)
-        kicks = view.receding_by_spin(start.before, start.after, per_focal)
+        kicks = view.receding_by_spin(*beside, per_focal)
         gains = np.hypot(GAIN_SIGMA * by_sizes.of_all_flights(receding), kicks)
         by_friction = (told[1:-1] - (1.0 - GAIN_SHARE) * told[:-2]) / gains[:, None]
         self.drifts = np.vstack([by_sizes.weights @ told, by_friction])
@@ -167,17 +185,20 @@ class Problem:
         if start.fall is not None:
             values[path.FALL] = math.log(start.fall)
         values[path.TIME] = start.times_s[0]
-        values[path.SPEED] = max(1e-3, start.before[0, 0])
+        values[path.TILT] = self.lean
+        least = -np.inf if self.lean else 1e-3
+        values[path.SPEED] = max(least, start.before[0, 0])
         values[path.PLACE] = start.places[0, 1] - self.prior[path.MIDDLE_COLUMN]
         values[path.ACROSS] = start.before[0, 1]
         values[path.PLATE] = float(np.median(start.places[:, 0]))
         for k in range(self.bounces):
             own = path.COMMON + path.EACH * k
-            values[own : own + 2] = max(1e-3, -start.after[k, 0]), start.after[k, 1]
+            values[own : own + 2] = max(least, -start.after[k, 0]), start.after[k, 1]
         return values
 
     def _units(self) -> Floats:
-        speed = max(1.0, float(self.begin[path.SPEED]))
+        speed = max(1.0, math.hypot(*self.begin[[path.SPEED, path.ACROSS]]) if self.lean else 0.0)
+        speed = max(speed, float(self.begin[path.SPEED]))
         units = np.where(np.isfinite(self.prior_sigma), self.prior_sigma, 1.0)
         units[path.TIME] = 1.0 / speed
         units[path.SPEED] = 0.01 * speed
@@ -201,11 +222,14 @@ class Problem:
 
     def near(self, found: Floats) -> NDArray[np.bool_]:
         """Return which places lie within a few radii of the plate."""
-        return np.asarray(np.abs(found[:, 0] - self.plate_row) < NEAR_RADII * self.radius_px)
+        along = 1 if self.lean else 0
+        return np.asarray(np.abs(found[:, along] - self.plate[along]) < NEAR_RADII * self.radius_px)
 
     def high(self, flights: Flights) -> NDArray[np.bool_]:
         """Return which places belong to flights that leave the shadow at the plate."""
-        heights = self.plate_row - flights.observed.places[:, 0]
+        if self.lean:
+            return np.ones(len(flights.arcs), dtype=bool)
+        heights = self.plate[0] - flights.observed.places[:, 0]
         arcs = flights.arcs
         tops = [heights[arcs == k].max(initial=0.0) for k in range(flights.bounces + 1)]
         return np.asarray(np.array(tops)[arcs] > LOW_RADII * self.radius_px)
@@ -250,7 +274,7 @@ class Problem:
             clear &= (times < begin - near) | (times > begin + stay + near)
         # The last flight goes on to a bounce that is not fitted: nothing after it counts.
         last = np.flatnonzero(arcs == self.bounces)
-        if len(last):
+        if len(last) and not self.lean:
             lasts = 2.0 * contacts[-1, 3] / math.exp(values[path.FALL])
             again = begins[-1] + stay + lasts
             clear &= times < again - near - LAST_MARGIN * self.view.period_s

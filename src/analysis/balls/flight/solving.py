@@ -61,7 +61,8 @@ def solve(
     def residuals(step: Floats) -> Floats:
         moved = at(step)
         prior = (moved[known] - problem.prior[known]) / problem.prior_sigma[known]
-        level = moved[LEVEL].sum(keepdims=True) / LEVEL_SIGMA if loose[LEVEL].all() else prior[:0]
+        lean = (moved[LEVEL].sum(keepdims=True) - problem.lean) / LEVEL_SIGMA
+        level = lean if loose[LEVEL].all() else prior[:0]
         apart = drifts @ moved - problem.drifts_target[: len(drifts)]
         beyond = problem.beyond(moved)[0]
         every = np.concatenate([own - seen(moved), prior, level, apart, beyond])

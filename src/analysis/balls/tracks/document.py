@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from analysis.balls.document import Json, flights_document
+from analysis.balls.document import Json, flight_impact, flights_document, with_others
 from analysis.balls.gaps import period_of
 from analysis.balls.tracks.measuring import MeasuredTrack
 from analysis.errors import counted
@@ -23,6 +23,11 @@ def track_document(measured: MeasuredTrack) -> Json:
     flights = measured.flights
     found = [measured.coefficient(bounce) for bounce in range(flights.bounces)]
     document = flights_document(flights, found, flights.scatter, measured.times_s)
+    beside = [
+        [flight_impact(one, k, one.coefficient(k), measured.times_s) for k in range(one.bounces)]
+        for one in measured.beside
+    ]
+    document["impacts"] = with_others(document["impacts"], beside)
     for each in (document, *document["impacts"]):
         for key in ("frames_before", "frames_after"):
             if key in each:

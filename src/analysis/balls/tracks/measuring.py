@@ -16,8 +16,9 @@ from analysis.balls.flight.fit import fit_flights
 from analysis.balls.flight.flights import Flights, Ints, Observed, Start
 from analysis.balls.flight.known import Ball, Known, View
 from analysis.balls.flight.lost import unsure_e
+from analysis.balls.hands import let_go
 from analysis.balls.seen.arcs import Chain, Sightings, chains, find_arcs, joined
-from analysis.balls.seen.free_fall import rests
+from analysis.balls.surfaces import Part, parts
 from analysis.balls.tracks.fall import TableFall, table_fall
 from analysis.balls.tracks.table import TrackTable
 from analysis.errors import ShotRefusedError, counted
@@ -64,6 +65,8 @@ class MeasuredTrack:
         By how much e of each bounce changes with a time that seems to be missing, shape (B,).
     notes
         Of the table.
+    beside
+        Flights about bounces off other surfaces, such as walls.
     """
 
     flights: Flights
@@ -76,6 +79,7 @@ class MeasuredTrack:
     size: tuple[int, int]
     unsure_e: Floats
     notes: tuple[str, ...]
+    beside: tuple[Flights, ...] = ()
 
     def coefficient(self, bounce: int) -> tuple[float, float]:
         """Return e of a bounce and its standard error."""
@@ -119,11 +123,11 @@ def measure_track(
         readout="rows",
     )
     known = _known(ball, view, None if table.metres is None else px / table.metres)
-    chain = linked[0]
-    start = Start(chain.times_s, chain.places, *chain.speeds(down))
-    flights = fit_flights(_observed(chain, seen.times_s), start, known)
-    if flights is None:
+    fitted = [_fitted(part, seen.times_s, known, down) for part in parts(linked[0], down)]
+    found = [flights for flights in fitted if flights is not None]
+    if not found:
         raise ShotRefusedError("flight", _no_bounce(linked))
+    flights, *beside = found
     return MeasuredTrack(
         flights=flights,
         times_s=seen.times_s,
@@ -133,7 +137,8 @@ def measure_track(
         metres=table.metres,
         others=sum(len(one.times_s) > 0 for one in linked[1:]),
         size=seen.shape,
-        unsure_e=unsure_e(flights),
+        unsure_e=np.zeros(flights.bounces) if flights.off_a_wall else unsure_e(flights),
+        beside=tuple(beside),
         notes=table.notes,
     )
 
@@ -210,6 +215,13 @@ def _sightings(numbers: Ints, times: Floats, places: Floats) -> Sightings:
     return Sightings(times, [np.array(each).reshape(-1, 3) for each in own], (height, width))
 
 
+def _fitted(part: Part, times: Floats, known: Known, fall: Floats) -> Flights | None:
+    """Return the flights about the bounces off one surface; None: too few places beside them."""
+    chain = part.chain
+    start = Start(chain.times_s, chain.places, *chain.speeds(fall), lean=part.lean)
+    return fit_flights(_observed(chain, times), start, known)
+
+
 def _observed(chain: Chain, times: Floats) -> Observed:
     """Return places of the flights; of a ball that is held before or after, those are none."""
     frames = np.concatenate([arc.frames for arc in chain.arcs])
@@ -217,11 +229,7 @@ def _observed(chain: Chain, times: Floats) -> Observed:
     order = np.argsort(frames, kind="stable")
     frames, places = frames[order], places[order]
     sigma = max(LEAST_SIGMA_PX, float(np.median([_scatter(arc.places) for arc in chain.arcs])))
-    kept = np.ones(len(frames), dtype=bool)
-    for arc, step in ((chain.arcs[0], 1), (chain.arcs[-1], -1)):
-        own = arc.frames[::step]
-        still = rests(times[own], arc.places[::step, 0], RADIUS_PX)
-        kept &= ~np.isin(frames, own[:still])
+    kept = let_go(frames, places[:, 0], (chain, times), RADIUS_PX)
     sigmas = np.full((len(frames), 2), sigma)
     return Observed(frames, times[frames], places, sigmas).of(kept)
 
