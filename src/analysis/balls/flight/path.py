@@ -95,6 +95,25 @@ def _meet(state: NDArray[np.float64], tilt: float, lasts: float, forces: Floats)
 
 
 @part
+def _go_on(came: Floats, left: Floats, lasts: float, tilt: float) -> None:
+    """Fill in where a ball leaves a plate, along which it goes on at the mean of its two speeds.
+
+    Parameters
+    ----------
+    came, left
+        States before and after a contact, of which the places of the second are filled in.
+    lasts
+        How long the contact does, s.
+    """
+    slope = math.tan(tilt)
+    down, across = 0.5 * (came[2] + left[2]) * lasts, 0.5 * (came[3] + left[3]) * lasts
+    if abs(slope) < 1.0:
+        left[0], left[1] = came[0] + across * slope, came[1] + across
+    else:
+        left[0], left[1] = came[0] + down, came[1] + down / slope
+
+
+@part
 def _lengthened(first: float, speed: float, power: float) -> float:
     """Return how much longer a contact lasts than that of the first approach speed."""
     if first <= 0.0 or speed <= 0.0:
@@ -185,10 +204,8 @@ def places(
         contacts[k, 4] = beside * normal_down + away * normal_across
         contacts[k, 5] = state[1]
         lasts = values[STAY] * _lengthened(contacts[0, 1], contacts[k, 1], values[SHORTENING])
-        # While a contact lasts the ball goes on along the plate, at the mean of its two speeds.
-        along = 0.5 * (contacts[k, 2] + contacts[k, 4]) * lasts
-        start[0], start[1] = state[0] - along * normal_across, state[1] + along * normal_down
         start[2], start[3] = -away, beside
+        _go_on(state, start, lasts, values[TILT])
         begun += lasts
         state[:] = start
         at = begun
