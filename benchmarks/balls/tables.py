@@ -12,7 +12,7 @@ import io
 import math
 import tempfile
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -156,6 +156,19 @@ def pulls(
     return off, max(0, len(truth) - len(found))
 
 
+def thrown_at_a_wall(drawn: Scene, seed: int) -> Scene:
+    """Return a scene whose ball is thrown across the picture at a wall near its right side."""
+    stage, drop, camera, frames = drawn
+    rng = np.random.default_rng([9, seed])
+    ahead = float(-stage.eye[2])
+    width, height = (side / stage.focal_px * ahead for side in (stage.size[1], stage.size[0]))
+    speed = rng.uniform(1.5, 3.0)
+    start = np.array([-0.35 * width, rng.uniform(0.4, 0.55) * height, 0.0])
+    velocity = np.array([speed, rng.uniform(0.0, 0.3) * speed, rng.uniform(-0.05, 0.05) * speed])
+    wall = 0.4 * width + 0.5 * drop.diameter, rng.uniform(0.5, 0.9)
+    return stage, replace(drop, start=start, speed=velocity, wall=wall), camera, frames
+
+
 Writer = Callable[[Seen, Sequence[Bounce]], str]
 WRITERS: dict[str, tuple[Writer, bool]] = {
     "Tracker": (lambda seen, _: of_tracker(seen), False),
@@ -192,6 +205,11 @@ def main() -> None:
                 every.setdefault(kind, []).extend(off)
                 shown = " ".join(f"{one:+.2f}" for one in off)
                 print(f"{kind} {seed} {program}: pulls {shown}; not found {lost}")
+            flight = thrown_at_a_wall(drawn, seed)
+            seen, bounces = tracked(flight, seed)
+            ball = Ball(drop.diameter, density=density)
+            off, _ = pulls(of_trackmate(seen), "table.csv", (ball, None), bounces)
+            every.setdefault("TrackMate, thrown at a wall", []).extend(off)
             text, between = heard(drop, 1000 * number + seed)
             off, lost = pulls(
                 text, "Energy.csv", (Ball(drop.diameter, density=density), None), between
