@@ -178,8 +178,8 @@ WRITERS: dict[str, tuple[Writer, bool]] = {
     "DLTdv": (lambda seen, _: of_dltdv(seen), True),
 }
 """With whether the frame rate has to be stated."""
-ENDS = 5
-"""Frames after a bounce that a table needs to show it."""
+ENDS = 6
+"""Frames before and after a bounce that a table needs to show it."""
 
 
 def main() -> None:
@@ -195,8 +195,13 @@ def main() -> None:
             drop = drawn[1]
             density = drop.mass / (math.pi / 6 * drop.diameter**3)
             seen, bounces = tracked(drawn, seed)
-            last = len(seen.frames) / seen.rate_hz - ENDS / seen.rate_hz
-            whole = [bounce for bounce in bounces if bounce.time < last]
+            ends = [0.0, *(bounce.time for bounce in bounces), len(seen.frames) / seen.rate_hz]
+            lasts = seen.rate_hz * np.diff(np.minimum(ends, ends[-1]))
+            whole = [
+                bounce
+                for bounce, before, after in zip(bounces, lasts[:-1], lasts[1:], strict=True)
+                if min(before, after) > ENDS
+            ]
             for program, (write, needs_rate) in WRITERS.items():
                 ball = Ball(drop.diameter, density=density)
                 rate = seen.rate_hz if needs_rate else None
