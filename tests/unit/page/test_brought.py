@@ -5,7 +5,9 @@ from __future__ import annotations
 import zipfile
 from pathlib import Path
 
+import numpy as np
 import pytest
+import tifffile
 
 from analysis.balls.films.stacks import PICTURE_SUFFIXES
 from rigctl.errors import AnalysisInputError
@@ -98,6 +100,15 @@ def test_what_was_never_brought_to_its_end_is_removed_and_nothing_else(place: Pa
     forget_unsettled(store)
     assert {path.name for path in place.parent.iterdir()} == kept
     forget_unsettled(store / "of a rig where nothing was brought")
+
+
+def test_tiffs_of_several_pages_are_films_and_those_of_one_are_pictures_of_one(place: Path) -> None:
+    for name in ("low.tif", "high.tif"):
+        tifffile.imwrite(place / name, np.zeros((3, 8, 8), np.uint8), photometric="minisblack")
+    assert what_is_in(place).films == (place / "high.tif", place / "low.tif")
+    for name in ("low.tif", "high.tif"):
+        tifffile.imwrite(place / name, np.zeros((8, 8), np.uint8))
+    assert what_is_in(place).films == (place / "frames",)
 
 
 def test_an_archive_of_pictures_is_one_film_every_time_it_is_looked_at(place: Path) -> None:

@@ -86,6 +86,16 @@ def read_tiff(path: Path, budget: FrameBudget) -> list[NDArray[np.generic]]:
     return pages
 
 
+def holds_pages(path: Path) -> bool:
+    """Return whether a file is a TIFF of several pages: a film, and no picture of one."""
+    try:
+        with tifffile.TiffFile(path, _multifile=False) as tiff:
+            return len(list(islice(tiff.pages, 2))) > 1
+    # A damaged file makes the library raise whatever its parser stumbles over.
+    except Exception:  # noqa: BLE001
+        return False
+
+
 def _require_whole(path: Path, index: int, page: Any, end_of_values: int, size: int) -> None:  # noqa: ANN401
     """Refuse a page whose data or values lie beyond the end; the library passes over the latter."""
     places = zip(page.dataoffsets, page.databytecounts, strict=True)

@@ -14,6 +14,7 @@ from typing import IO
 
 from analysis.balls.films.reading import FILM_SUFFIXES, PHOTRON_SUFFIXES
 from analysis.balls.films.stacks import PICTURE_SUFFIXES
+from analysis.imaging.files.tiff_file import holds_pages
 from rigctl.documents import Json
 from rigctl.errors import AnalysisInputError
 from rigctl.page.model.source import LOOKED_AT
@@ -178,7 +179,7 @@ def what_is_in(place: Path) -> Brought:
     tables = [path for path in top if path.suffix.lower() in TABLES]
     films = [path for path in top if path.suffix.lower() in FILM_SUFFIXES]
     pictures = [path for path in top if path.suffix.lower() in PICTURE_SUFFIXES]
-    if len(pictures) > 1:
+    if len(pictures) > 1 and not all(map(holds_pages, pictures)):
         frames.mkdir()
         for path in pictures:
             path.rename(frames / path.name)
