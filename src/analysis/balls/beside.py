@@ -210,8 +210,9 @@ def one_more(measured: MeasuredBall, flights: Flights) -> Iterator[str]:
             "no free flight that fits its time follows it: frames are missing, or the ball is "
             "caught, hidden, or out of the picture"
         )
+    number = 1 + sum(own.bounces for _, own in measured.surfaces)
     yield (
-        f"bounce {flights.bounces + 1}, at about frame {frame:.1f} and ({row:.0f}, {column:.0f}) "
+        f"bounce {number}, at about frame {frame:.1f} and ({row:.0f}, {column:.0f}) "
         f"px, is not measured: {why}"
     )
 

@@ -32,7 +32,7 @@ def doubts(measured: MeasuredBall, flights: Flights) -> Iterator[str]:
     yield from _unsettled(measured.unsettled_e, flights)
     yield from _unsure(measured.unsure_e, flights)
     yield from _by_mass(measured, flights)
-    if measured.bounces == 1:
+    if measured.bounces == 1 and not measured.others:
         yield from _alone(measured, flights)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -42,7 +42,8 @@ def _remarks(measured: MeasuredBall) -> Iterator[str]:
     if measured.flights is None:
         yield _no_bounce(chain.arcs[0], head.frames - 1)
         return
-    yield from _walls(measured)
+    walls = wall_remark([flights for _, flights in measured.surfaces])
+    yield from [] if walls is None else [walls]
     yield from one_more(measured, measured.flights)
     for one, flights in measured.surfaces:
         yield from _of_flights(flights, head)
@@ -50,19 +51,17 @@ def _remarks(measured: MeasuredBall) -> Iterator[str]:
         yield from doubts(one, flights)
 
 
-def _walls(measured: MeasuredBall) -> Iterator[str]:
-    """Say which bounces are off a wall, and which surface the poses are about."""
-    surfaces = [flights for _, flights in measured.surfaces]
-    contacts = [(float(time), one.off_a_wall) for one in surfaces for time in one.contacts[:, 0]]
-    order = sorted(contacts)
+def wall_remark(surfaces: Sequence[Flights]) -> str | None:
+    """Say which bounces are off a wall; None: none is. The first surface is that of the poses."""
+    order = sorted((float(t), one.off_a_wall) for one in surfaces for t in one.contacts[:, 0])
     walls = [k for k, (_, off_a_wall) in enumerate(order, start=1) if off_a_wall]
     if not walls:
-        return
+        return None
     said = f"bounce{'s' * (len(walls) > 1)} {', '.join(map(str, walls))}"
-    yield (
+    about = "that wall" if surfaces[0].off_a_wall else "one stretch of the plate, floor or table"
+    return (
         f"{said} of {len(order)}: off a wall, taken to be plumb within 0.01 rad; places in rig "
-        "axes (poses, --out) are those about "
-        + ("that wall" if surfaces[0].off_a_wall else "the plate, floor or table")
+        f"axes (poses, --out) are those about {about}, with {surfaces[0].bounces} of the bounces"
     )
 
 

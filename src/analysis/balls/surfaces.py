@@ -39,12 +39,14 @@ class Part:
 def parts(chain: Chain, fall: Floats) -> list[Part]:
     """Return the flights of a chain by what the ball bounces off, the longest of a plate first.
 
-    Off a wall a ball changes its speed across more than that along gravity, and turns round. Each
+    Off a wall a ball changes its speed across more than that along gravity, and turns round, but
+    does not come down and go up, as off a floor that turns it round by its spin. Each
     bounce off a wall is a part of its own: nothing falls back to a wall.
     """
     before, after = chain.speeds(fall)
     jump = np.abs(after - before)
-    walls = (jump[:, 1] > jump[:, 0]) & (before[:, 1] * after[:, 1] < 0)
+    up = (before[:, 0] > 0) & (after[:, 0] < 0)
+    walls = (jump[:, 1] > jump[:, 0]) & (before[:, 1] * after[:, 1] < 0) & ~up
     if not walls.any():
         return [Part(chain, 0.0)]
     found = [

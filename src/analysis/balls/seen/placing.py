@@ -115,7 +115,9 @@ class Placer:
     def learn_radius(self, windows: Sequence[Window], motion: Motion) -> bool:
         """Take a radius that explains the slowest frames much better than the rim's, if any does.
 
-        A ball whose far side is as dark as the ground shows a rim that is not its own.
+        A ball whose far side is as dark as the ground shows a rim that is not its own. Its misfit
+        falls steadily up to the right radius; where it rises between, something beside the ball is
+        explained.
         """
         chosen = self._slow(windows, motion)
         rim = self.radius_px
@@ -128,6 +130,7 @@ class Placer:
 
         best = _least(misfit, RADII)
         much = misfit(best) < MUCH_BETTER * misfit(1.0) and abs(best - 1.0) > MUCH_LARGER
+        much = much and falls_to(best, [misfit(factor) for factor in RADII])
         self.radius_px = best * rim if much else rim
         return much
 
@@ -322,6 +325,14 @@ def _together(
         return float(shares.mean()) if told.any() else np.inf
 
     return misfit
+
+
+def falls_to(best: float, misfits: Sequence[float]) -> bool:
+    """Return whether misfits of `RADII` fall steadily from the rim's to the least of them."""
+    rim, least = RADII.index(1.0), int(np.argmin(np.abs(np.array(RADII) - best)))
+    first, last = min(rim, least), max(rim, least)
+    steps = np.diff(misfits[first : last + 1])
+    return bool((steps <= 0.0).all() if least > rim else (steps >= 0.0).all())
 
 
 def _least(misfit: Callable[[float], float], tried: Sequence[float]) -> float:

@@ -56,6 +56,8 @@ def analyse_table(job: FilmJob) -> AnalysedTable:
             "frames", "a table has no pictures; leave out --lens and --roi, or state its film"
         )
     if is_table_of_bounces(job.path):
+        if cut is not None:
+            raise ShotRefusedError("frames", "bounces that were heard have no frames for --frames")
         return AnalysedTable(bounce_document(read_bounce_times(job.path), job.ball), 0, PICTURE)
     table = read_track_table(job.path)
     if cut is not None:

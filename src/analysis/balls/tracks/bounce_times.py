@@ -7,9 +7,8 @@ time between gives the speeds at both ends, and two such times e of the bounce b
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -18,20 +17,22 @@ from scipy.optimize import brentq
 from analysis.arrays import Floats
 from analysis.balls.document import Json, unseen
 from analysis.balls.flight.known import STAY_S, Ball
-from analysis.balls.tracks.table import BOUNCE, read_lines, split
+from analysis.balls.tracks.table import BOUNCE, NONE, read_lines, split
 from analysis.errors import InputError, ShotRefusedError, counted
 from analysis.quantity import Quantity
 
 HEARD_S = 1e-3
 """Standard error of the time at which a bounce is heard: the loudest sample, not the first."""
-LEAST_BOUNCES = 3
+MILLI = 1e-3
+LEAST_BOUNCES, LONGEST_S = 3, 6.0
+"""One after another that tell an e, and the longest time between two: of a fall from 40 m."""
 FASTEST_M_PER_S = 1e3
 STEP = 1e-4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BounceTimes:
-    """When a ball bounced, s, increasing; shape (N,)."""
+    """When each bounce was heard, s, increasing; shape (N,). Nan: it was not."""
 
     times_s: Floats
 
@@ -48,7 +49,7 @@ def read_bounce_times(path: Path) -> BounceTimes:
     for separator in "\t;,":
         rows = split(lines, separator)
         columns = {
-            int(name[1]): index
+            int(name[1]): (index, MILLI if (name[2] or "").lower() == "ms" else 1.0)
             for index, cell in enumerate(rows[0] if rows else [])
             if (name := BOUNCE.fullmatch(cell.strip())) is not None
         }
@@ -58,14 +59,23 @@ def read_bounce_times(path: Path) -> BounceTimes:
         raise InputError(path, "has no columns Bounce 0 (s), Bounce 1 (s) and so on")
     if len(rows) != 2:
         raise InputError(path, f"has {len(rows) - 1} rows of bounces; one is read")
-    try:
-        times = np.array([float(rows[1][columns[k]]) for k in sorted(columns)])
-    except (ValueError, IndexError) as error:
-        raise InputError(path, f"has a bounce in line 2 that is no number: {error}") from error
-    heard = times[times > 0.0]
-    if not np.all(np.diff(heard) > 0):
+    times = np.array([_heard(path, rows[1], *columns[k]) for k in sorted(columns)])
+    times[~(times > 0.0)] = math.nan
+    if not np.all(np.diff(times[np.isfinite(times)]) > 0):
         raise InputError(path, "has bounces that are not one after another")
-    return BounceTimes(heard)
+    last = np.flatnonzero(np.isfinite(times)).max(initial=-1)
+    return BounceTimes(times[: last + 1])
+
+
+def _heard(path: Path, row: Sequence[str], index: int, unit: float) -> float:
+    """Return one time, s; nan where the cell is empty."""
+    cell = row[index].strip() if index < len(row) else ""
+    if cell.lower() in NONE:
+        return math.nan
+    try:
+        return unit * float(cell)
+    except ValueError as error:
+        raise InputError(path, f"has “{cell}” in line 2, which is no number") from error
 
 
 def bounce_document(bounces: BounceTimes, ball: Ball) -> Json:
@@ -79,42 +89,63 @@ def bounce_document(bounces: BounceTimes, ball: Ball) -> Json:
         Fewer than three bounces.
     """
     times = bounces.times_s
-    if len(times) < LEAST_BOUNCES:
+    between = np.isfinite(times[:-2] + times[1:-1] + times[2:]) if len(times) > 2 else np.zeros(0)
+    if not between.any():
+        heard = counted(int(np.isfinite(times).sum()), "bounce")
         raise ShotRefusedError(
             "frames",
-            f"{counted(len(times), 'bounce')} heard; {LEAST_BOUNCES} are needed, as e is the speed "
-            "after a bounce over that before it",
+            f"{heard} heard, and no {LEAST_BOUNCES} one after another; e is the speed after a "
+            "bounce over that before it",
+        )
+    lasts = np.diff(times)
+    if np.nanmax(lasts) > LONGEST_S:
+        k = int(np.nanargmax(lasts))
+        raise ShotRefusedError(
+            "frames",
+            f"{lasts[k]:.3g} s between bounces {k} and {k + 1}; no ball flies for more than "
+            f"{LONGEST_S:g} s: check the unit of the times, and that no bounce between was missed",
         )
     drag, drag_spread = ball.drag_per_m()
-    known = np.array([*times, math.log(drag), 0.0])
-    sigmas = np.array([*np.full(len(times), HEARD_S), drag_spread, STAY_S * ball.diameter_m / 0.02])
-    found = _speeds(known, ball.gravity)
-    slopes = np.stack(
-        [
-            (_speeds(known + step, ball.gravity) - _speeds(known - step, ball.gravity)) / (2 * STEP)
-            for step in STEP * np.diag(sigmas)
-        ],
-        axis=-1,
-    )
-    impacts = [
-        _impact(k, float(times[k]), found[k - 1], slopes[k - 1]) for k in range(1, len(times) - 1)
-    ]
-    alone = impacts[0] if len(impacts) == 1 else {}
+    stay = STAY_S * ball.diameter_m / 0.02
+    impacts = []
+    for k in (np.flatnonzero(between) + 1).tolist():
+        known = np.array([*times[k - 1 : k + 2], math.log(drag), 0.0])
+        sigmas = np.array([HEARD_S, HEARD_S, HEARD_S, drag_spread, stay])
+        found = _speeds(known, ball.gravity)
+        slopes = np.stack(
+            [
+                (_speeds(known + step, ball.gravity) - _speeds(known - step, ball.gravity))
+                / (2 * STEP)
+                for step in STEP * np.diag(sigmas)
+            ],
+            axis=-1,
+        )
+        impacts.append(_impact(k, float(times[k]), found, slopes))
     return {
         "status": "measured",
-        **alone,
+        **(impacts[0] if len(impacts) == 1 else {}),
         "impacts": impacts,
         "drag_per_m": Quantity(drag, drag * drag_spread, "1/m").to_json(),
-        "notes": list(_remarks(times, ball)),
+        "notes": list(_remarks(times, impacts, ball)),
     }
 
 
-def _remarks(times: Floats, ball: Ball) -> Iterator[str]:
+def _remarks(times: Floats, impacts: Sequence[Json], ball: Ball) -> Iterator[str]:
+    own = ", ".join(str(impact["bounce"]) for impact in impacts)
     yield (
-        f"e is that of bounces 1 to {len(times) - 2} of 0 to {len(times) - 1}: the first has no "
-        "flight before it whose ends are heard, the last none after it"
+        f"e is that of bounce{'s' * (len(impacts) > 1)} {own} of 0 to {len(times) - 1}: the first "
+        "has no flight before it whose ends are heard, the last none after it"
     )
+    if missed := [str(k) for k in np.flatnonzero(~np.isfinite(times))]:
+        yield f"not heard: {', '.join(missed)}; bounces beside it have no e"
     yield f"a bounce is taken to be heard within {1e3 * HEARD_S:g} ms"
+    for impact in impacts:
+        if impact["e"]["value"] > 1.0:
+            yield (
+                f"e of bounce {impact['bounce']} is {impact['e']['value']:.2f}, and no ball leaves "
+                "a floor faster than it came: a bounce was missed, or something else was heard; "
+                "its error holds as much, and e of its neighbours is in doubt"
+            )
     if ball.density is None:
         yield "the ball's mass is not stated: its drag, and e, are surer with --ball-mass-g"
 
@@ -133,17 +164,22 @@ def _impact(number: int, time_s: float, found: Floats, slopes: Floats) -> Json:
         "v_n": Quantity(-before[0], before[1], "m/s").to_json(),
         "v_n_after": Quantity(*after, "m/s").to_json(),
         **{key: unseen("m/s") for key in ("v_t", "v_t_after", "v_s", "v_s_after")},
-        "e": Quantity(*e, "1").to_json(),
+        # What is beyond 1 is error, as of bounces that are seen.
+        "e": Quantity(e[0], math.hypot(e[1], max(0.0, e[0] - 1.0)), "1").to_json(),
         "beta": None,
     }
 
 
 def _speeds(known: Floats, gravity: float) -> Floats:
-    """Return speeds before and after, and e, of the bounces between; shape (N - 2, 3)."""
-    *times, log_drag, stay = known.tolist()
+    """Return speeds before and after a bounce, and e, shape (3,).
+
+    From the times of three bounces, the drag's logarithm, and how long contacts last.
+    """
+    first, bounce, last, log_drag, stay = known.tolist()
     drag = math.exp(log_drag)
-    ends = [_ends(later - time - stay, drag, gravity) for time, later in pairwise(times)]
-    return np.array([(before, after, after / before) for (_, before), (after, _) in pairwise(ends)])
+    _, before = _ends(bounce - first - stay, drag, gravity)
+    after, _ = _ends(last - bounce - stay, drag, gravity)
+    return np.array([before, after, after / before])
 
 
 def _ends(lasts_s: float, drag: float, gravity: float) -> tuple[float, float]:

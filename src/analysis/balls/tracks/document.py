@@ -9,6 +9,7 @@ import numpy as np
 
 from analysis.balls.document import Json, flight_impact, flights_document, with_others
 from analysis.balls.gaps import period_of
+from analysis.balls.remarks import wall_remark
 from analysis.balls.tracks.measuring import MeasuredTrack
 from analysis.errors import counted
 from analysis.quantity import Quantity
@@ -31,9 +32,10 @@ def track_document(measured: MeasuredTrack) -> Json:
     for each in (document, *document["impacts"]):
         for key in ("frames_before", "frames_after"):
             if key in each:
-                each[key] = [frame + measured.first_frame for frame in each[key]]
+                each[key] = [int(number) for number in measured.numbers[each[key]]]
         if "frame" in each:
-            each["frame"] += measured.first_frame
+            order = np.arange(len(measured.numbers))
+            each["frame"] = float(np.interp(each["frame"], order, measured.numbers))
     document["frame_rate_hz"] = 1.0 / period_of(measured.times_s)
     fall, sigma = flights.scale_of_fall
     by_fall = fall / measured.px_per_unit
@@ -42,7 +44,7 @@ def track_document(measured: MeasuredTrack) -> Json:
         if math.isfinite(sigma)
         else None,
         "stated": None if measured.metres is None else 1.0 / measured.metres,
-        "agree": not flights.contradiction,
+        "agree": not flights.contradiction and (measured.metres is None or measured.unit_believed),
     }
     document["notes"] = list(_remarks(measured))
     return document
@@ -50,7 +52,7 @@ def track_document(measured: MeasuredTrack) -> Json:
 
 def _remarks(measured: MeasuredTrack) -> Iterator[str]:
     """Say what a person should know of a table."""
-    flights, first = measured.flights, measured.first_frame
+    flights = measured.flights
     yield from measured.notes
     way = "+" if measured.fall.size > 0 else "-"
     scale, sigma = flights.scale_of_fall[0] / measured.px_per_unit, flights.scale_of_fall[1]
@@ -60,15 +62,23 @@ def _remarks(measured: MeasuredTrack) -> Iterator[str]:
             f"things fall along {way}{AXES[measured.fall.axis]}; the table states no unit, and the "
             f"scale is that of gravity: {said}"
         )
-    elif flights.contradiction:
+    elif flights.contradiction or not measured.unit_believed:
         ratio = scale * measured.metres
         yield (
             f"the table's unit contradicts gravity: by the fall it is {ratio:.3f} ± "
             f"{ratio * sigma:.3f} of what is stated; speeds are scaled by gravity, e does not "
             "depend on it; check the length that the tracker was calibrated with, and the times"
         )
-    if measured.others:
-        yield f"{counted(measured.others, 'other thing')} in the table bounces too; it is left out"
+    beside, apart = measured.others
+    if beside:
+        yield f"{counted(beside, 'other thing')} in the table fly and bounce too; left out"
+    if apart:
+        yield (
+            f"{counted(apart, 'flight')} of the table meet none of the flights about these "
+            "bounces; left out: places are missing there, or it is another ball's"
+        )
+    walls = wall_remark([flights, *measured.beside])
+    yield from [] if walls is None else [walls]
     times = flights.observed.times_s + flights.row_delay(flights.observed.places)
     contacts = np.append(flights.contacts[:, 0], flights.next_contact_s)
     near = np.abs(times[:, None] - contacts).min(axis=1) < CONTACT_FRAMES / (
@@ -79,7 +89,7 @@ def _remarks(measured: MeasuredTrack) -> Iterator[str]:
         (~flights.used & ~near, "off the flights"),
     ):
         if which.any():
-            frames = flights.observed.frames[which] + first
+            frames = measured.numbers[flights.observed.frames[which]].astype(int)
             yield f"frames that do not count ({why}): {', '.join(map(str, frames.tolist()))}"
     if flights.doubt:
         yield (

@@ -15,6 +15,8 @@ LENGTHS = (6, 9, 13, 19, 27, 39, 57, 83, 121, 175)
 LEAST_PIECES = 3
 SCATTERED = 1.5
 """Scatter of a piece over that of the shortest ones: what scatters more goes over a bounce."""
+CLEAR = 5.0
+"""Errors by which a piece that falls bends."""
 MOST_UNSURE = 0.3
 """Error of a fall, as a share of it, that is none."""
 
@@ -76,6 +78,12 @@ def _along(times_s: Floats, values: Floats) -> tuple[float, float]:
         bends, _, errors = pieces[pieces[:, 1] <= SCATTERED * scatter].T
         if len(bends) < LEAST_PIECES:
             break
+        # A ball that is held or rests does not bend, however long it does.
+        clear = np.abs(bends) > CLEAR * scatter * errors
+        way = np.sign(np.sum(np.sign(bends[clear])))
+        bends, errors = (each[clear & (np.sign(bends) == way)] for each in (bends, errors))
+        if len(bends) < LEAST_PIECES:
+            continue
         middle = float(np.median(bends))
         spread = 1.4826 * float(np.median(np.abs(bends - middle)))
         found = middle, max(spread, scatter * float(np.median(errors)))

@@ -10,6 +10,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analysis.arrays import Floats
 from analysis.balls.flight.fit import fit_flights
@@ -33,6 +34,10 @@ EXPOSED = 0.5
 LEAST_SIGMA_PX = 1e-4
 """Of places that follow one another without any scatter."""
 MOST_FRAMES = 1_000_000
+TELLING = 20
+"""Places of a thing that tell whether it falls."""
+LEAST_ALIKE = 0.6
+"""Of a fall, and of a scale: what two of one ball have in common at least."""
 UNEVEN = 0.1
 """Of the time between frames, by which times lie off one rate: then they are numbered in order."""
 MARGIN_RADII = 2.0
@@ -48,17 +53,19 @@ class MeasuredTrack:
     flights
         In the picture's pixels, down the rows.
     times_s
-        Of all frames.
-    first_frame
-        The table's number of frame 0.
+        Of the frames in which something is seen.
+    numbers
+        The table's number of each frame.
     fall
         How things fall in the table.
     px_per_unit
         Pixels of one of the table's units.
     metres
         What the table says that a unit is; None: nothing.
+    unit_believed
+        Whether that unit is near enough to gravity's to be taken.
     others
-        How many other things fall in the table.
+        How many other things bounce beside the ball, and how many flights meet none of its own.
     size
         Rows and columns of the picture.
     unsure_e
@@ -71,11 +78,12 @@ class MeasuredTrack:
 
     flights: Flights
     times_s: Floats
-    first_frame: int
+    numbers: Floats
     fall: TableFall
     px_per_unit: float
     metres: float | None
-    others: int
+    unit_believed: bool
+    others: tuple[int, int]
     size: tuple[int, int]
     unsure_e: Floats
     notes: tuple[str, ...]
@@ -104,12 +112,11 @@ def measure_track(
     ShotRefusedError
         No times, nothing that falls, or no bounce with four places on both sides.
     """
-    frames, times = _times(table, rate_hz)
-    fall = _fall(table, frames, times)
+    clock = _clock(table, rate_hz)
+    fall, falling = _fall(table, clock)
     by_fall = abs(fall.size) / ball.gravity
     px = 2.0 * RADIUS_PX / ball.diameter_m / by_fall
-    places = _picture(table.places, fall, px)
-    seen = _sightings(frames, times, places)
+    seen = _sightings(clock, _picture(table.places, fall, px), falling)
     down = np.array([abs(fall.size) * px, 0.0])
     arcs = joined(find_arcs(seen, RADIUS_PX, down), RADIUS_PX, down, seen.shape)
     linked = chains(arcs, RADIUS_PX, down)
@@ -122,7 +129,8 @@ def measure_track(
         EXPOSED * period if exposure_s is None else exposure_s,
         readout="rows",
     )
-    known = _known(ball, view, None if table.metres is None else px / table.metres)
+    told = None if table.metres is None else px / table.metres
+    known = _known(ball, view, told if _believed(table.metres, by_fall) else None)
     fitted = [_fitted(part, seen.times_s, known, down) for part in parts(linked[0], down)]
     found = [flights for flights in fitted if flights is not None]
     if not found:
@@ -131,11 +139,12 @@ def measure_track(
     return MeasuredTrack(
         flights=flights,
         times_s=seen.times_s,
-        first_frame=int(frames.min()),
+        numbers=clock.numbers,
         fall=fall,
         px_per_unit=px,
         metres=table.metres,
-        others=sum(len(one.times_s) > 0 for one in linked[1:]),
+        unit_believed=_believed(table.metres, by_fall),
+        others=_others(linked),
         size=seen.shape,
         unsure_e=np.zeros(flights.bounces) if flights.off_a_wall else unsure_e(flights),
         beside=tuple(beside),
@@ -143,39 +152,45 @@ def measure_track(
     )
 
 
-def _times(table: TrackTable, rate_hz: float | None) -> tuple[Ints, Floats]:
-    """Return the frame of each place, and the time of all frames from the first to the last."""
+@dataclass(frozen=True, slots=True, eq=False)
+class _Clock:
+    """Frames in which something is seen: the table's numbers, times, and which each place is in."""
+
+    numbers: Floats
+    times_s: Floats
+    index: Ints
+
+
+def _clock(table: TrackTable, rate_hz: float | None) -> _Clock:
+    """Return the frames of a table. Those in which nothing is seen are none, and need no place."""
     frames, times = table.frames, table.times_s
     if np.abs(frames - np.round(frames)).max() > 0.0:
         raise ShotRefusedError("frames", "frames of the table are no whole numbers")
-    numbers = np.round(frames).astype(np.intp)
     if times is not None and not table.numbered:
-        numbers = _numbered(times)
-    first, count = int(numbers.min()), int(np.ptp(numbers)) + 1
-    if count > MOST_FRAMES:
-        raise ShotRefusedError("frames", f"{count} frames; {MOST_FRAMES} are read at most")
+        frames = _numbered(times)
+    numbers, first, index = np.unique(frames, return_index=True, return_inverse=True)
+    if len(numbers) > MOST_FRAMES:
+        raise ShotRefusedError("frames", f"{len(numbers)} frames; {MOST_FRAMES} are read at most")
     if rate_hz is not None:
-        return numbers, np.asarray((first + np.arange(count)) / rate_hz)
+        return _Clock(numbers, numbers / rate_hz, index)
     if times is None or _counts_frames(times):
         said = "no times" if times is None else "times that are frame numbers"
         raise ShotRefusedError("frames", f"the table has {said}; state the rate with --fps")
-    each, index = np.unique(numbers, return_index=True)
-    if len(each) < 2 or not np.all(np.diff(times[index]) > 0):
+    if len(numbers) < 2 or not np.all(np.diff(times[first]) > 0):
         raise ShotRefusedError("frames", "times of the table do not increase with its frames")
-    return numbers, np.asarray(np.interp(first + np.arange(count), each, times[index]))
+    return _Clock(numbers, times[first], index)
 
 
-def _numbered(times: Floats) -> Ints:
+def _numbered(times: Floats) -> Floats:
     """Return frame numbers from times; of times without one rate, their order."""
-    each = np.unique(times)
+    each, index = np.unique(times, return_inverse=True)
     if len(each) < 2:
-        return np.zeros(len(times), dtype=np.intp)
-    step = float(np.median(np.diff(each)))
-    found = np.asarray(np.round((times - each[0]) / step), dtype=np.intp)
-    own = np.round((each - each[0]) / step)
-    if len(np.unique(own)) == len(each) and np.abs((each - each[0]) / step - own).max() < UNEVEN:
-        return found
-    return np.asarray(np.searchsorted(each, times), dtype=np.intp)
+        return np.zeros(len(times))
+    steps = (each - each[0]) / float(np.median(np.diff(each)))
+    even = np.abs(steps - np.round(steps)).max() < UNEVEN
+    if even and len(np.unique(np.round(steps))) == len(each):
+        return np.asarray(np.round(steps)[index])
+    return np.asarray(index, dtype=np.float64)
 
 
 def _counts_frames(times: Floats) -> bool:
@@ -184,19 +199,53 @@ def _counts_frames(times: Floats) -> bool:
     return bool(np.all(each == np.round(each))) and float(np.median(np.diff(each))) == 1.0
 
 
-def _fall(table: TrackTable, numbers: Ints, times: Floats) -> TableFall:
-    """Return the fall of the thing that is seen most often and falls."""
-    first = numbers.min()
+def _fall(table: TrackTable, clock: _Clock) -> tuple[TableFall, NDArray[np.bool_]]:
+    """Return the fall of the thing that is seen most often and falls, and what may be of a ball.
+
+    What is seen often and does not fall so is another thing. A few places do not tell: trackers
+    give a ball another number at a bounce.
+    """
     names, counts = np.unique(table.things, return_counts=True)
+    fall: TableFall | None = None
     refused: ShotRefusedError | None = None
+    kept = np.ones(len(table.things), dtype=bool)
     for name in names[np.argsort(-counts, kind="stable")]:
-        own = np.flatnonzero(table.things == name)
-        own = own[np.argsort(numbers[own], kind="stable")]
+        of_it = table.things == name
+        own = np.flatnonzero(of_it)
+        if fall is not None and len(own) < TELLING:
+            continue
+        own = own[np.argsort(clock.index[own], kind="stable")]
         try:
-            return table_fall(times[numbers[own] - first], table.places[own])
+            found = table_fall(clock.times_s[clock.index[own]], table.places[own])
         except ShotRefusedError as error:
             refused = refused or error
-    raise refused or ShotRefusedError("flight", "the table holds no places")
+            kept &= ~of_it | (len(own) < TELLING)
+            continue
+        fall = fall or found
+        alike = found.axis == fall.axis and LEAST_ALIKE < found.size / fall.size < 1 / LEAST_ALIKE
+        kept &= ~of_it | alike
+    if fall is None:
+        raise refused or ShotRefusedError("flight", "the table holds no places")
+    return fall, kept
+
+
+def _believed(metres: float | None, by_fall: float) -> bool:
+    """Return whether a table's unit is near enough to gravity's to be a scale at all."""
+    return metres is not None and LEAST_ALIKE < metres * by_fall < 1.0 / LEAST_ALIKE
+
+
+def _others(linked: list[Chain]) -> tuple[int, int]:
+    """Return how many other things bounce beside the ball, and flights that meet none of its."""
+    own = {int(frame) for arc in linked[0].arcs for frame in arc.frames}
+    beside = apart = 0
+    for one in linked[1:]:
+        theirs = [int(frame) for arc in one.arcs for frame in arc.frames]
+        if len(theirs) < TELLING:
+            continue
+        shared = sum(frame in own for frame in theirs)
+        beside += shared > len(theirs) // 2 and len(one.times_s) > 0
+        apart += shared <= len(theirs) // 2
+    return beside, apart
 
 
 def _picture(places: Floats, fall: TableFall, px: float) -> Floats:
@@ -207,12 +256,13 @@ def _picture(places: Floats, fall: TableFall, px: float) -> Floats:
     return np.asarray((both - both.min(axis=1, keepdims=True)).T + MARGIN_RADII * RADIUS_PX)
 
 
-def _sightings(numbers: Ints, times: Floats, places: Floats) -> Sightings:
-    own: list[list[list[float]]] = [[] for _ in times]
-    for number, (row, column) in zip((numbers - numbers.min()).tolist(), places, strict=True):
-        own[number].append([row, column, 1.0])
+def _sightings(clock: _Clock, places: Floats, falling: NDArray[np.bool_]) -> Sightings:
+    own: list[list[list[float]]] = [[] for _ in clock.times_s]
+    for index, (row, column) in zip(clock.index[falling].tolist(), places[falling], strict=True):
+        own[index].append([row, column, 1.0])
     height, width = np.ceil(places.max(axis=0) + MARGIN_RADII * RADIUS_PX).astype(int).tolist()
-    return Sightings(times, [np.array(each).reshape(-1, 3) for each in own], (height, width))
+    found = [np.array(each).reshape(-1, 3) for each in own]
+    return Sightings(clock.times_s, found, (height, width))
 
 
 def _fitted(part: Part, times: Floats, known: Known, fall: Floats) -> Flights | None:

@@ -21,15 +21,16 @@ from analysis.errors import InputError, counted
 
 TABLE_SUFFIXES = (".csv", ".tsv", ".txt", ".dat")
 MOST_BYTES = 50_000_000
-TIMES = {"t", "time", "times", "positiont", "seconds"}
-FRAMES = {"frame", "frames", "slice", "slicen", "framenumber", "frameno", "image", "step"}
-THINGS = {"particle", "track", "trackid", "trackn", "trajectory", "trajid", "particleid"}
+TIMES = ("t", "time", "times", "positiont", "seconds")
+FRAMES = ("frame", "frames", "framenumber", "frameno", "slice", "slicen", "image", "step")
+THINGS = ("particle", "particleid", "trackid", "trackn", "track", "trajectory", "trajid")
+"""Names of columns, those that a program writes beside another last."""
 PLACE = re.compile(r"(?:pt\d+(?:cam\d+)?|position)?([xyz])\d*")
 """Names of places without units and punctuation: x, POSITION_X, X1, pt1_cam1_X."""
-UNIT = re.compile(r"[\[(]\s*([a-zµ]*)\s*[\])]|[_ ](px|mm|cm|m|ms|s)$", re.IGNORECASE)
+UNIT = re.compile(r"[\[(]\s*([a-zµ]*)\s*[\])]|[_ /](px|mm|cm|m|ms|s)$", re.IGNORECASE)
 METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "micron": 1e-6, "in": 0.0254}
 SECONDS = {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6}
-BOUNCE = re.compile(r"bounce ?(\d+)(?: ?\(s\))?", re.IGNORECASE)
+BOUNCE = re.compile(r"bounce ?(\d+)(?: ?\((m?s)\))?", re.IGNORECASE)
 """Names of times at which a ball was heard, as phyphox writes them."""
 NONE = {"", "nan", "na", "null", "none", "-"}
 """Cells of a frame in which nothing was found."""
@@ -104,7 +105,8 @@ def read_track_table(path: Path) -> TrackTable:
             # Trackers write names for people, and units, in lines of their own below the names.
             unit, time_unit = unit or _unit(row, first), time_unit or _unit(row, columns.time)
             continue
-        counted_rows += any(cell.strip() for cell in row)
+        # A row without places is a frame in which nothing was found.
+        counted_rows += 1
     if not found:
         raise InputError(path, f"has no number below its names in line {head + 1}")
     frames, moments, places, things = zip(*found, strict=True)
@@ -157,6 +159,8 @@ def read_lines(path: Path) -> list[str]:
         data = path.read_bytes()
     except OSError as error:
         raise InputError(path, f"cannot be read: {error.strerror or error}") from error
+    if data[:2] in {b"\xff\xfe", b"\xfe\xff"}:
+        return data.decode("utf-16", errors="replace").splitlines()
     if b"\0" in data:
         raise InputError(path, "is no text")
     try:
@@ -166,10 +170,8 @@ def read_lines(path: Path) -> list[str]:
 
 
 def split(lines: Sequence[str], separator: str) -> list[list[str]]:
-    """Return the cells of lines, decimal commas as points where the separator is no comma."""
-    rows = list(csv.reader(lines, delimiter=separator, skipinitialspace=separator == " "))
-    if separator == ",":
-        return rows
+    """Return the cells of lines; a comma within one is a decimal comma."""
+    rows = csv.reader(lines, delimiter=separator, skipinitialspace=separator == " ")
     return [[cell.replace(",", ".") for cell in row] for row in rows]
 
 
@@ -190,6 +192,7 @@ def _columns(row: Sequence[str]) -> _Columns | None:
     names = [_plain(cell) for cell in row]
     tracks: list[list[int]] = []
     axes = ""
+    order: dict[int, str] = {}
     for index, name in enumerate(names):
         place = PLACE.fullmatch(name)
         if place is None:
@@ -197,14 +200,13 @@ def _columns(row: Sequence[str]) -> _Columns | None:
         if not tracks or place[1] in axes:
             tracks, axes = [*tracks, []], ""
         tracks[-1].append(index)
-        axes += place[1]
-        if axes == "yx":
-            tracks[-1].reverse()
+        order[index], axes = place[1], axes + place[1]
+        tracks[-1].sort(key=order.__getitem__)
     kept = [track for track in tracks if len(track) == max(map(len, tracks))]
     if "shot" in names or not kept or len(kept[0]) < 2:
         return None
     time, frame, thing = (
-        next((k for k, name in enumerate(names) if name in known), None)
+        next((names.index(name) for name in known if name in names), None)
         for known in (TIMES, FRAMES, THINGS)
     )
     return _Columns(time, frame, thing, tuple(map(tuple, kept)))

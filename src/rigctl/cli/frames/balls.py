@@ -250,6 +250,12 @@ def _layout(said: str | None) -> RawLayout | None:
 def _write(folder: Path, name: str, films: Films, shots: Sequence[Json]) -> None:
     """Write the flights of all films; a folder that is read is not written over."""
     jobs, size = films
+    if all(shot["status"] == "measured" and "frame_rate_hz" not in shot for shot in shots):
+        raise AnalysisInputError(
+            "holds the times of bounces alone; --out writes places of flights",
+            part=name,
+            todo="leave --out away, and state e and speeds in an impacts.csv for the model",
+        )
     if any(folder.resolve() in {job.path.resolve(), *job.path.resolve().parents} for job in jobs):
         raise AnalysisInputError(
             "holds the films that are read; its files would be replaced",

@@ -53,11 +53,16 @@ class TableView:
                 f"{path.name}: {len(self._table.rows)} rows. Choose one column for the speed, or "
                 "the height of the fall, before each impact, and one for after it."
             ).props("data-testid=own-table")
-            if is_track_table(path) or is_table_of_bounces(path):
+            if is_track_table(path):
                 ui.label(
-                    "It looks like a tracker's places, or times of bounces: rigctl analyse "
-                    f"{path.name} --ball-diameter-mm 40 --fps 240 --out drops, with your ball and "
-                    "rate, measures e of its bounces; drop the folder drops here as a ZIP."
+                    f"It looks like a tracker's places: rigctl analyse {path.name} "
+                    "--ball-diameter-mm 40 --fps 240 --out drops, with your ball and rate, "
+                    "measures e of its bounces; drop the folder drops here as a ZIP."
+                ).classes("note").props("data-testid=own-track")
+            elif is_table_of_bounces(path):
+                ui.label(
+                    f"It looks like times of bounces: rigctl analyse {path.name} "
+                    "--ball-diameter-mm 40, with your ball, measures e of each."
                 ).classes("note").props("data-testid=own-track")
             self._preview()
         with ui.element("section").classes("panel"):

@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from analysis.balls.seen.photometry import MAP_SIDE, fit_place
-from analysis.balls.seen.placing import Placer
+from analysis.balls.seen.placing import Placer, falls_to
 from analysis.balls.seen.windows import Motion, Window
 from analysis.balls.systematics import by_radius
 
@@ -150,3 +150,10 @@ def test_fingers_at_a_ball_that_is_let_go_are_not_taken_for_its_rim() -> None:
     placer.blur_px = 0.4
     assert not placer.learn_radius(windows, motion)
     assert placer.radius_px == RADIUS
+
+
+def test_a_radius_up_to_which_misfits_fall_and_rise_again_is_none_of_the_ball() -> None:
+    # Of a ball whose far side is dark, and of one before clutter, by RADII from 0.8 to 1.32.
+    assert falls_to(1.22, [9.0, 5.0, 2.0, 1.0, 0.8, 0.6, 0.3, 0.5])
+    assert falls_to(0.88, [0.6, 0.5, 0.8, 1.0, 1.3, 2.0, 3.0, 4.0])
+    assert not falls_to(1.22, [2.1, 1.8, 1.4, 1.0, 0.9, 0.93, 0.7, 0.73])

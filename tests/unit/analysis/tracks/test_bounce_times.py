@@ -64,13 +64,38 @@ def test_bounces_of_phyphox_are_read_and_one_that_was_not_heard_is_none(tmp_path
     path.write_text(PHYPHOX)
     assert is_table_of_bounces(path)
     assert read_bounce_times(path).times_s.tolist() == [1.5, 2.0]
+    assert not is_table_of_bounces(tmp_path / "none.csv")
     # The same with semicolons and decimal commas.
     path.write_text(PHYPHOX.replace(",", ";").replace(".", ","))
     assert read_bounce_times(path).times_s.tolist() == [1.5, 2.0]
 
 
+def test_a_bounce_that_was_not_heard_parts_those_beside_it(tmp_path: Path) -> None:
+    path = tmp_path / "Energy.csv"
+    names = ",".join(f"Bounce {k} (ms)" for k in range(6))
+    path.write_text(f"{names}\n1000,1600,,2500,2900,3220\n")
+    times = read_bounce_times(path)
+    assert times.times_s == pytest.approx([1.0, 1.6, np.nan, 2.5, 2.9, 3.22], nan_ok=True)
+    (impact,) = bounce_document(times, Ball(0.02, density=1e6))["impacts"]
+    assert impact["bounce"] == 4
+    assert impact["e"]["value"] == pytest.approx(0.8, abs=1e-3)
+
+
+def test_an_echo_makes_an_e_beyond_one_whose_error_and_a_sentence_say_so() -> None:
+    shot = bounce_document(BounceTimes(np.array([1.0, 1.67, 1.75, 2.21])), Ball(0.04, density=1e3))
+    e = shot["impacts"][1]["e"]
+    assert e["value"] > 1.0
+    assert e["value"] - 1.0 <= e["sigma"]
+    assert any("something else was heard" in note for note in shot["notes"])
+
+
+def test_a_time_that_no_ball_flies_is_refused_with_the_bounces_about_it() -> None:
+    with pytest.raises(ShotRefusedError, match="30 s between bounces 0 and 1"):
+        bounce_document(BounceTimes(np.array([1.0, 31.0, 58.0])), Ball(0.04))
+
+
 def test_too_few_bounces_and_bounces_out_of_order_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(ShotRefusedError, match="2 bounces heard; 3 are needed"):
+    with pytest.raises(ShotRefusedError, match="2 bounces heard, and no 3 one after another"):
         bounce_document(BounceTimes(np.array([1.0, 2.0])), Ball(0.04))
     path = tmp_path / "Energy.csv"
     path.write_text("Bounce 0 (s),Bounce 1 (s)\n2.0,1.0\n")

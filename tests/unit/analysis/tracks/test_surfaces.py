@@ -47,6 +47,11 @@ def test_a_flight_without_a_bounce_is_one_part() -> None:
     assert len(part.chain.arcs) == 1
 
 
+def test_a_floor_that_turns_a_ball_round_by_its_spin_is_no_wall() -> None:
+    (part,) = parts(chain([(-0.7, -0.8)], across=4000.0), FALL)
+    assert part.lean == 0.0
+
+
 @pytest.mark.parametrize(("across", "lean"), [(300.0, -math.pi / 2), (-300.0, math.pi / 2)])
 def test_a_wall_between_bounces_of_a_floor_parts_them(across: float, lean: float) -> None:
     found = parts(chain([FLOOR, FLOOR, WALL, FLOOR], across), FALL)

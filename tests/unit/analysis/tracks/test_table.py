@@ -26,6 +26,8 @@ TRACKMATE = (
     "ID1,0,1.5,25,0,0.28,7\nID2,0,1.6,24,0,0.32,8\n"
 )
 TRACKPY = ",y,x,mass,frame,particle\n0,25,1.5,800,7.0,3.0\n1,24,1.6,801,8.0,3.0\n"
+BLANK = "x;y\n1,5;25\n;\n\n1,6;24\n"
+QUOTED = 'step,frame,x,y\n0,7,"1,5","25,0"\n1,8,"1,6","24,0"\n'
 DLTDV = "pt1_cam1_X,pt1_cam1_Y\nNaN,NaN\n1.5,25\n1.6,24\n"
 SPACED = "t_ms x_mm y_mm\n280 1.5 25\n320 1.6 24\n"
 
@@ -37,6 +39,10 @@ SPACED = "t_ms x_mm y_mm\n280 1.5 25\n320 1.6 24\n"
         pytest.param(MANUAL, [7, 8], None, None, id="ImageJ's Manual Tracking"),
         pytest.param(TRACKMATE, [7, 8], [0.28, 0.32], 1e-6, id="TrackMate"),
         pytest.param(TRACKPY, [7, 8], None, None, id="trackpy"),
+        pytest.param(BLANK, [0, 3], None, None, id="rows of lost frames"),
+        pytest.param(
+            QUOTED, [7, 8], None, None, id="quoted decimal commas and two kinds of frames"
+        ),
         pytest.param(DLTDV, [1, 2], None, None, id="DLTdv"),
         pytest.param(SPACED, [0, 1], [0.28, 0.32], 1e-3, id="columns by name"),
     ],

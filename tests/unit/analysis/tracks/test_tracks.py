@@ -75,11 +75,15 @@ def test_e_is_that_of_the_flight_whichever_way_up_and_in_any_unit(
 
 
 def test_a_length_that_was_calibrated_wrongly_contradicts_gravity_and_leaves_e() -> None:
-    right, wrong = (measured(table(flown() * share, metres=1.0)) for share in (1.0, 1.3))
+    right, wrong, other = (
+        measured(table(flown() * share, metres=1.0)) for share in (1.0, 1.3, 800.0)
+    )
     assert right["scale_units_per_m"]["agree"]
-    assert not wrong["scale_units_per_m"]["agree"]
-    assert any("the table's unit contradicts gravity" in note for note in wrong["notes"])
-    for shot in (right, wrong):
+    for shot in (wrong, other):
+        assert not shot["scale_units_per_m"]["agree"]
+        assert any("the table's unit contradicts gravity" in note for note in shot["notes"])
+    for shot in (right, wrong, other):
+        assert len(shot["impacts"]) == 2
         assert shot["impacts"][0]["e"]["value"] == pytest.approx(E, abs=0.01)
 
 
@@ -97,6 +101,26 @@ def test_the_ball_is_found_among_things_that_stay_and_by_pieces_of_its_track() -
         things=np.concatenate([np.full(len(still), "1"), pieces]),
     )
     found = [impact["e"]["value"] for impact in measured(both)["impacts"]]
+    assert found == pytest.approx([E, E], abs=0.01)
+
+
+def test_a_ball_that_is_held_for_longer_than_it_flies_is_measured() -> None:
+    places = flown()
+    rng = np.random.default_rng(6)
+    held = places[0] + rng.normal(0.0, NOISE_M, (300, 2))
+    found = [
+        impact["e"]["value"] for impact in measured(table(np.vstack([held, places])))["impacts"]
+    ]
+    assert found == pytest.approx([E, E], abs=0.01)
+
+
+def test_frames_that_a_table_lacks_cost_no_bounce() -> None:
+    whole = table(flown())
+    kept = np.ones(len(whole.frames), dtype=bool)
+    kept[70:74] = False
+    kept[np.random.default_rng(7).random(len(kept)) < 0.2] = False
+    some = {name: getattr(whole, name)[kept] for name in ("frames", "times_s", "places", "things")}
+    found = [impact["e"]["value"] for impact in measured(replace(whole, **some))["impacts"]]
     assert found == pytest.approx([E, E], abs=0.01)
 
 
