@@ -21,18 +21,21 @@ UNSURE_E = 1e-3
 """Change of e by frames that may be missing, from which on it is said."""
 UNSETTLED_E = 0.01
 """Change of e when the ball's light is learned once more, of flights that do not fit the film."""
+PUSHED = 0.1
+"""Of the approach speed: what a ball may gain along a surface that is level, unsaid."""
 MOST_BY_MASS, LEAST_BY_MASS = 0.7, 0.002
 """Of the error of e, and of e: what a mass that is not stated does, from which on it is said."""
 
 
-def doubts(measured: MeasuredBall, flights: Flights) -> Iterator[str]:
-    """Return the sentences on flights that are fitted."""
+def doubts(measured: MeasuredBall, flights: Flights, *, alone: bool = True) -> Iterator[str]:
+    """Return the sentences on flights that are fitted; `alone`: off no other surface it bounces."""
     yield from _far_from_flights(flights)
     yield from _beyond_one(flights)
+    yield from pushed_aside(flights)
     yield from _unsettled(measured.unsettled_e, flights)
     yield from _unsure(measured.unsure_e, flights)
     yield from _by_mass(measured, flights)
-    if measured.bounces == 1 and not measured.others:
+    if measured.bounces == 1 and alone:
         yield from _alone(measured, flights)
 
 
@@ -81,6 +84,21 @@ def _far_from_flights(flights: Flights) -> Iterator[str]:
         "and its times do not say so, or something hides the ball; e may be further off than its "
         "error says"
     )
+
+
+def pushed_aside(flights: Flights) -> Iterator[str]:
+    """Say where a ball leaves its plate sideways faster than it came: by spin, or as that leans."""
+    for bounce, (_, came, beside, left, aside, _) in enumerate(flights.contacts.tolist()):
+        gained = abs(aside) - abs(beside)
+        if gained > PUSHED * came:
+            lean = math.degrees(math.atan2(abs(aside - beside), came + left))
+            scale = flights.scale_px_per_m
+            yield (
+                f"bounce {bounce + 1}, {_before(flights, bounce)}, leaves along the surface at "
+                f"{abs(aside) / scale:.2f} m/s, faster than it came ({abs(beside) / scale:.2f}): "
+                f"the ball spins, or the surface leans by some {lean:.0f} degrees; e takes it for "
+                "level or plumb within 0.01 rad, and is off if it is not"
+            )
 
 
 def _beyond_one(flights: Flights) -> Iterator[str]:

@@ -48,7 +48,7 @@ def _remarks(measured: MeasuredBall) -> Iterator[str]:
     for one, flights in measured.surfaces:
         yield from _of_flights(flights, head)
         yield from _do_not_count(one, flights)
-        yield from doubts(one, flights)
+        yield from doubts(one, flights, alone=not measured.others)
 
 
 def wall_remark(surfaces: Sequence[Flights]) -> str | None:

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from analysis.balls.document import Json, flight_impact, flights_document, with_others
+from analysis.balls.doubts import pushed_aside
 from analysis.balls.gaps import period_of
 from analysis.balls.remarks import wall_remark
 from analysis.balls.tracks.measuring import MeasuredTrack
@@ -91,6 +92,8 @@ def _remarks(measured: MeasuredTrack) -> Iterator[str]:
         if which.any():
             frames = measured.numbers[flights.observed.frames[which]].astype(int)
             yield f"frames that do not count ({why}): {', '.join(map(str, frames.tolist()))}"
+    for each in (flights, *measured.beside):
+        yield from pushed_aside(each)
     if flights.doubt:
         yield (
             f"{int((~flights.used).sum())} of {len(flights.used)} places lie off free flights; "

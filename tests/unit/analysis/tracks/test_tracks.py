@@ -124,6 +124,25 @@ def test_frames_that_a_table_lacks_cost_no_bounce() -> None:
     assert found == pytest.approx([E, E], abs=0.01)
 
 
+def test_a_plate_that_leans_pushes_a_ball_aside_which_is_said() -> None:
+    level = measured(table(flown(replace(DROP, speed=np.zeros(3)))))
+    assert not any("leans by some" in note for note in level["notes"])
+    rows = np.arange(121) / RATE - 0.4
+    # Dropped on a plate of 8 degrees: without friction it leaves at 16 degrees from the vertical.
+    turned, e = math.radians(8.0), 0.9
+    came = GRAVITY * 0.4
+    left = e * came * math.cos(turned)
+    beside = came * math.sin(turned)
+    up = left * math.cos(turned) - beside * math.sin(turned)
+    aside = left * math.sin(turned) + beside * math.cos(turned)
+    fallen = -came * rows - 0.5 * GRAVITY * rows**2
+    risen = up * rows - 0.5 * GRAVITY * rows**2
+    places = np.stack([np.where(rows < 0, 0.0, aside * rows), np.where(rows < 0, fallen, risen)], 1)
+    noise = np.random.default_rng(4).normal(0.0, NOISE_M, places.shape)
+    said = [note for note in measured(table(places + noise))["notes"] if "leans by some" in note]
+    assert "leans by some 8 degrees" in said[0]
+
+
 def test_frames_keep_the_table_s_numbers_and_a_stated_rate_goes_before_its_times() -> None:
     later = replace(table(flown()), frames=np.arange(len(flown())) + 1000.0)
     shot = measured(replace(later, times_s=later.frames), rate=RATE)
