@@ -203,13 +203,16 @@ def looks_of(
 ) -> Looks:
     """Return what a ball looks like from discs of one radius.
 
-    The radius is the rim's of the sharpest half. The channel is Fisher's, the ground's colour
-    counted as noise, so that shadows drop out where there is colour (Fisher, 1936).
+    The radius is the rim's of the sharpest half, each counted by how sure it is. The channel is
+    Fisher's, the ground's colour counted as noise: shadows drop out where there is colour (Fisher,
+    1936).
     """
     radii = np.array([disc.radius for _, disc in family])
     rims = np.array([disc.rim for _, disc in family])
     sharp = rims >= np.median(rims)
-    radius = float(np.median(radii[sharp]))
+    radius = weighted_median(
+        radii[sharp], 1.0 / np.array([disc.radius_sigma for _, disc in family])[sharp]
+    )
     spread = 1.4826 * float(np.median(np.abs(radii[sharp] - radius))) / np.sqrt(sharp.sum())
     pixels = [_pixels(samples[number], ground, disc) for number, disc in family]
     ball = np.concatenate([inside for inside, _ in pixels])
@@ -221,6 +224,13 @@ def looks_of(
         light_weights=rim_weights(light(ball, head), light(still, head), head, radius),
         seen=tuple(family),
     )
+
+
+def weighted_median(values: Floats, weights: Floats) -> float:
+    """Return the median of values that count differently."""
+    order = np.argsort(values)
+    passed = np.cumsum(weights[order]) - 0.5 * weights[order]
+    return float(np.interp(0.5 * weights.sum(), passed, values[order]))
 
 
 def _pixels(picture: Picture, ground: Picture, disc: Disc) -> tuple[Picture, Picture]:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import cv2
 import numpy as np
+import pytest
 
 from analysis.balls.films.film import Picture
 from analysis.balls.searching import rings
+from analysis.balls.seen.looks import weighted_median
 
 RADIUS = 14.0
 PLACES = {0: (40.0, 30.0), 9: (60.5, 52.0), 18: (90.0, 75.25), 27: (60.0, 98.0), 36: (95.0, 121.5)}
@@ -39,3 +41,10 @@ def test_the_ball_is_ringed_in_each_picture_that_shows_it() -> None:
 def test_where_nothing_moves_nothing_is_ringed() -> None:
     rng = np.random.default_rng(4)
     assert rings({frame: picture((40.0, 30.0), rng) for frame in range(8)}) == {}
+
+
+def test_a_median_counts_values_by_their_weights() -> None:
+    values = np.array([5.0, 1.0, 3.0])
+    assert weighted_median(values, np.ones(3)) == 3.0
+    assert weighted_median(values, np.array([1.0, 1e-6, 1e-6])) == pytest.approx(5.0, abs=1e-4)
+    assert weighted_median(np.array([7.0]), np.array([0.1])) == 7.0
