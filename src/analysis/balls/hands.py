@@ -18,7 +18,7 @@ MUCH_LEFT = 6.0
 def free(placed: Placed, chain: Chain) -> Placed:
     """Return places without those at both ends of the film's flights where a hand is at the ball.
 
-    What lies over the ball, or moves beside it, leaves much of the light unexplained. That is told
+    What lies over the ball, or moves beside it, leaves much of the light unexplained. It is seen
     before the film has taught the ball's light: then so does a ball that is lit otherwise there.
     """
     if not len(placed.frames):

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analysis.balls.beside import edges, hands, one_more, outside, place_of
 from analysis.balls.doubts import doubts
@@ -143,18 +145,30 @@ def _listed(frames: list[int]) -> str:
 
 def _do_not_count(measured: MeasuredBall, flights: Flights) -> Iterator[str]:
     """Name the frames of the flights that do not count, by reason."""
-    frames = flights.observed.frames
+    near = 0.5 * measured.exposure_s + CONTACT_FRAMES * period_of(measured.times_s)
+    yield from do_not_count(flights, flights.observed.frames, near)
+
+
+def do_not_count(flights: Flights, numbers: NDArray[Any], near_s: float) -> Iterator[str]:
+    """Name the frames of some flights that do not count, by reason.
+
+    Parameters
+    ----------
+    numbers
+        Of the frames of the places, shape (N,).
+    near_s
+        From a contact to places that may show part of it.
+    """
     times = flights.observed.times_s + flights.row_delay(flights.observed.places)
-    period = period_of(measured.times_s)
-    near = 0.5 * measured.exposure_s + CONTACT_FRAMES * period
     contacts = np.append(flights.contacts[:, 0], flights.next_contact_s)
-    touching = (np.abs(times[:, None] - contacts).min(axis=1) < near) | (times > contacts[-1])
+    apart = np.abs(times[:, None] - contacts).min(axis=1)
+    touching = (apart < near_s) | (times > contacts[-1])
     for which, why in (
         (~flights.used & touching, "exposed during a contact, or next to one"),
         (~flights.used & ~touching, "off the flights"),
     ):
         if which.any():
-            listed = ", ".join(str(int(frame)) for frame in frames[which])
+            listed = ", ".join(str(int(number)) for number in numbers[which])
             yield f"frames that do not count ({why}): {listed}"
 
 

@@ -10,14 +10,12 @@ import numpy as np
 from analysis.balls.document import Json, flight_impact, flights_document, with_others
 from analysis.balls.doubts import pushed_aside
 from analysis.balls.gaps import period_of
-from analysis.balls.remarks import wall_remark
+from analysis.balls.remarks import CONTACT_FRAMES, do_not_count, wall_remark
 from analysis.balls.tracks.measuring import MeasuredTrack
 from analysis.errors import counted
 from analysis.quantity import Quantity
 
 AXES = "xyz"
-CONTACT_FRAMES = 0.6
-"""Frames beside a contact in which places may show part of it."""
 
 
 def track_document(measured: MeasuredTrack) -> Json:
@@ -64,7 +62,7 @@ def _remarks(measured: MeasuredTrack) -> Iterator[str]:
             f"scale is that of gravity: {said}"
         )
     elif flights.contradiction or not measured.unit_believed:
-        ratio = scale * measured.metres
+        ratio = 1.0 / (scale * measured.metres)
         yield (
             f"the table's unit contradicts gravity: by the fall it is {ratio:.3f} ± "
             f"{ratio * sigma:.3f} of what is stated; speeds are scaled by gravity, e does not "
@@ -80,18 +78,8 @@ def _remarks(measured: MeasuredTrack) -> Iterator[str]:
         )
     walls = wall_remark([flights, *measured.beside])
     yield from [] if walls is None else [walls]
-    times = flights.observed.times_s + flights.row_delay(flights.observed.places)
-    contacts = np.append(flights.contacts[:, 0], flights.next_contact_s)
-    near = np.abs(times[:, None] - contacts).min(axis=1) < CONTACT_FRAMES / (
-        1.0 / period_of(measured.times_s)
-    )
-    for which, why in (
-        (~flights.used & near, "exposed during a contact, or next to one"),
-        (~flights.used & ~near, "off the flights"),
-    ):
-        if which.any():
-            frames = measured.numbers[flights.observed.frames[which]].astype(int)
-            yield f"frames that do not count ({why}): {', '.join(map(str, frames.tolist()))}"
+    near = CONTACT_FRAMES * period_of(measured.times_s)
+    yield from do_not_count(flights, measured.numbers[flights.observed.frames], near)
     for each in (flights, *measured.beside):
         yield from pushed_aside(each)
     if flights.doubt:

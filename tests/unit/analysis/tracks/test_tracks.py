@@ -82,6 +82,9 @@ def test_a_length_that_was_calibrated_wrongly_contradicts_gravity_and_leaves_e()
     for shot in (wrong, other):
         assert not shot["scale_units_per_m"]["agree"]
         assert any("the table's unit contradicts gravity" in note for note in shot["notes"])
+    # A ball that seems to fly 1.3 times as far has been measured in units of 1 / 1.3 m.
+    said = next(note for note in wrong["notes"] if "contradicts gravity" in note)
+    assert "by the fall it is 0.7" in said
     for shot in (right, wrong, other):
         assert len(shot["impacts"]) == 2
         assert shot["impacts"][0]["e"]["value"] == pytest.approx(E, abs=0.01)
