@@ -47,6 +47,7 @@ EFFECT = ContactEffect(
 )
 """
 PLAIN = {"pressure_a_kpa": "40", "pressure_b_kpa": "40", "offset_mm": "6", "delay_us": "0"}
+HEARD = "window.did_handshake"
 LOOPBACK = {"127.0.0.1", None}
 
 
@@ -125,10 +126,8 @@ def entered(tab: Page, url: str) -> Iterator[Page]:
     tab.context.clear_cookies()
     tab.emulate_media(color_scheme="null", reduced_motion="null")
     tab.set_viewport_size(WIDE)
-    tab.goto(f"{url}/?key={KEY}")
+    visit(tab, f"{url}/?key={KEY}")
     tab.get_by_test_id("state").wait_for()
-    # Before it, a click is heard by nobody.
-    tab.wait_for_function("window.did_handshake")
     yield tab
     if tab.url.startswith(url):
         tab.evaluate("localStorage.clear(); sessionStorage.clear()")
@@ -158,6 +157,16 @@ def page(tab: Page, served: Served) -> Iterator[Page]:
     assert strangers == []
 
 
+def visit(page: Page, url: str) -> None:
+    """Open an address of a daemon and wait until it hears the page.
+
+    What is clicked or typed before is kept by the page library and sent in any order once it does:
+    of two texts in one field the first may be the one that counts.
+    """
+    page.goto(url)
+    page.wait_for_function(HEARD)
+
+
 def fire(page: Page) -> None:
     """Fire a plain shot; the form begins with what the rig was set to by whoever used it before."""
     for field, value in PLAIN.items():
@@ -171,6 +180,7 @@ def type_in(field: Locator, text: str) -> None:
 
     Keys may be lost as a press is: they go to what has the focus, which a busy host may take away.
     """
+    field.page.wait_for_function(HEARD)
     field.fill(text)
     try:
         expect(field).to_have_value(text, timeout=0.1 * EXPECT_MS)

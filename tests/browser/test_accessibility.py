@@ -8,7 +8,7 @@ from urllib.parse import quote
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import FIRST_USE_MS, Served, fire, type_in
+from tests.browser.conftest import FIRST_USE_MS, Served, fire, type_in, visit
 from tests.browser.test_model_page import LONG_MS, known_challenge
 
 LOOKS = ((320, "dark"), (768, "light"), (1280, "dark"), (1920, "light"))
@@ -109,15 +109,14 @@ def test_axe_finds_nothing_nothing_scrolls_sideways_and_focus_is_seen_on_any_scr
     page.get_by_test_id("coefficients").wait_for(timeout=FIRST_USE_MS)
     shot = page.locator("a[href^='/shots/']").first.get_attribute("href") or ""
     for place in (*PLACES, shot):
-        page.goto(served.url + place)
-        page.wait_for_function("window.did_handshake")
+        visit(page, served.url + place)
         if place in {"/shots", "/campaigns/seen"}:
             page.get_by_test_id("shots").locator("tbody tr").first.wait_for()
         assert faults(page) == [], place
         assert out_of_reach(page) == [], place
-    page.goto(served.url + "/shots")
+    visit(page, served.url + "/shots")
     sorted_by_keys_and_not_drawn_anew(page)
-    page.goto(served.url + shot)
+    visit(page, served.url + shot)
     # Of the frames below the film one is the contact, and no two have the same time.
     captions = page.locator(".strip .frame").all_inner_texts()
     assert captions.count("contact") == 1
@@ -130,14 +129,14 @@ def test_dark_or_light_is_kept_from_page_to_page(page: Page, served: Served) -> 
     for look, other in (("dark", "light"), ("light", "dark")):
         page.get_by_role("button", name="dark or light").click()
         expect(page.locator(f"body.body--{look}")).to_be_attached()
-        page.goto(f"{served.url}/shots")
+        visit(page, f"{served.url}/shots")
         expect(page.locator(f"body.body--{look}")).to_be_attached()
         expect(page.locator(f"body.body--{other}")).not_to_be_attached()
 
 
 def test_axe_finds_nothing_on_the_page_of_a_model(page: Page, served: Served) -> None:
     folder = known_challenge(served)
-    page.goto(f"{served.url}/model?folder={quote(str(folder))}&view=tables")
+    visit(page, f"{served.url}/model?folder={quote(str(folder))}&view=tables")
     page.get_by_test_id("heat-map").locator(".main-svg").first.wait_for(timeout=LONG_MS)
     assert faults(page) == []
     page.get_by_test_id("view-story").click()

@@ -8,7 +8,7 @@ import httpx
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import KEY, Served, type_in
+from tests.browser.conftest import KEY, Served, type_in, visit
 
 SETTINGS = {"pressure_a_kpa": 40.0, "pressure_b_kpa": 40.0, "offset_mm": 6.0}
 CAMPAIGN = "remarked"
@@ -34,8 +34,7 @@ def test_a_note_and_tags_are_kept_seen_by_a_second_operator_and_found_in_the_lis
 ) -> None:
     second = page.context.new_page()
     for each in (page, second):
-        each.goto(f"{served.url}/campaigns/{campaign}")
-        each.wait_for_function("window.did_handshake")
+        visit(each, f"{served.url}/campaigns/{campaign}")
     type_in(page.get_by_test_id("note"), "lamp exchanged after shot 1")
     page.get_by_test_id("note").press("Enter")
     expect(second.get_by_test_id("note")).to_have_value("lamp exchanged after shot 1")
@@ -43,7 +42,7 @@ def test_a_note_and_tags_are_kept_seen_by_a_second_operator_and_found_in_the_lis
     second.get_by_test_id("tags").press("Enter")
     expect(page.get_by_test_id("remarks")).to_contain_text("dry")
     second.close()
-    page.goto(f"{served.url}/campaigns")
+    visit(page, f"{served.url}/campaigns")
     type_in(page.get_by_test_id("filter"), "dry")
     expect(page.get_by_test_id("campaigns").get_by_role("cell", name=campaign)).to_be_visible()
     type_in(page.get_by_test_id("filter"), "wet")
@@ -53,8 +52,7 @@ def test_a_note_and_tags_are_kept_seen_by_a_second_operator_and_found_in_the_lis
 def test_a_note_that_is_too_long_is_refused_in_words_and_not_kept(
     page: Page, served: Served, campaign: str
 ) -> None:
-    page.goto(f"{served.url}/campaigns/{campaign}")
-    page.wait_for_function("window.did_handshake")
+    visit(page, f"{served.url}/campaigns/{campaign}")
     type_in(page.get_by_test_id("note"), "n" * 3000)
     page.get_by_test_id("note").press("Enter")
     expect(page.get_by_test_id("remarks").get_by_role("alert")).to_contain_text("500")

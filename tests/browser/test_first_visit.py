@@ -9,7 +9,7 @@ from urllib.parse import urlsplit
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import FIRST_USE_MS, Served, type_in
+from tests.browser.conftest import FIRST_USE_MS, Served, type_in, visit
 
 
 @pytest.fixture(scope="module")
@@ -73,8 +73,7 @@ def test_a_guide_that_is_hidden_stays_hidden_until_it_is_asked_for(
     expect(guide).to_have_count(0)
     assert page.evaluate("window.drawnOnce")
     for place in ("/", "/sweeps"):
-        page.goto(served.url + place)
-        page.wait_for_function("window.did_handshake")
+        visit(page, served.url + place)
         expect(guide).to_have_count(0)
         expect(page.get_by_test_id("welcome")).to_have_count(0)
     page.get_by_test_id("show-guide").click()

@@ -7,7 +7,7 @@ import re
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import Served, type_in
+from tests.browser.conftest import Served, type_in, visit
 from tests.browser.test_accessibility import faults
 from tests.browser.test_model_page import LONG_MS
 
@@ -22,8 +22,7 @@ def choose(page: Page, field: str, option: str) -> None:
 
 
 def test_a_level_is_made_played_with_a_hint_and_scored(page: Page, served: Served) -> None:
-    page.goto(f"{served.url}/model")
-    page.wait_for_function("window.did_handshake")
+    visit(page, f"{served.url}/model")
     # At once, as no person can: neither click may fall on a button that is drawn anew.
     page.evaluate(CLICKED, ["level-4", "shots-24", "level-1"])
     expect(page.get_by_test_id("level-1")).to_have_attribute("aria-pressed", "true")
@@ -59,5 +58,5 @@ def test_a_level_is_made_played_with_a_hint_and_scored(page: Page, served: Serve
     sides = page.get_by_test_id("side-by-side").locator("section")
     expect(sides.nth(0)).to_contain_text("What was hidden")
     expect(sides.nth(1)).to_contain_text("Pressure leaks while waiting")
-    page.goto(f"{served.url}/model")
+    visit(page, f"{served.url}/model")
     expect(page.get_by_test_id("challenges")).to_contain_text("level 1, 24 shots: −76 points")

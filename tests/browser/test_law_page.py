@@ -11,7 +11,7 @@ from playwright.sync_api import Page, expect
 
 from rigctl.challenge import new
 from simulators.challenge import write_challenge
-from tests.browser.conftest import Served
+from tests.browser.conftest import Served, visit
 from tests.browser.test_accessibility import faults
 from tests.invoked import rigctl
 
@@ -44,7 +44,7 @@ def fired_here(folder: Path, campaign: str) -> None:
 def test_a_law_is_proposed_beside_unexplained_with_where_the_shots_are_for_that_confirm_it(
     page: Page, served: Served
 ) -> None:
-    page.goto(f"{served.url}/model/strange")
+    visit(page, f"{served.url}/model/strange")
     # Its shots came without frames.
     expect(page.get_by_test_id("ghost-frame")).to_be_visible(timeout=LONG_MS)
     page.get_by_test_id("view-tables").click()
@@ -68,7 +68,7 @@ def test_a_law_is_proposed_beside_unexplained_with_where_the_shots_are_for_that_
 def test_a_law_is_not_confirmed_on_its_own_shots_and_campaigns_are_asked_what_they_share(
     page: Page, served: Served
 ) -> None:
-    page.goto(f"{served.url}/model/other?view=tables")
+    visit(page, f"{served.url}/model/other?view=tables")
     page.get_by_test_id("explain").click(timeout=LONG_MS)
     page.get_by_test_id("propose").click(timeout=LONG_MS)
     page.get_by_test_id("confirm-law").first.click(timeout=LONG_MS)

@@ -11,7 +11,7 @@ import pytest
 from playwright.sync_api import Page, ViewportSize, expect
 
 from rigctl.challenge import new
-from tests.browser.conftest import Served
+from tests.browser.conftest import Served, visit
 
 pytestmark = pytest.mark.long
 
@@ -35,7 +35,7 @@ LEAST_MAP = 200
 
 def test_a_hidden_effect_is_found_added_answered_and_revealed(page: Page, served: Any) -> None:
     folder = challenge(served.folder / "hidden", SEED)
-    page.goto(f"{served.url}/model?folder={quote(str(folder))}&view=tables")
+    visit(page, f"{served.url}/model?folder={quote(str(folder))}&view=tables")
     page.get_by_test_id("heat-map").locator(".main-svg").first.wait_for(timeout=LONG_MS)
     expect(page.get_by_test_id("verdict")).to_contain_text("missing")
     for size in SCREENS:
@@ -73,7 +73,7 @@ def test_a_plot_that_is_hidden_while_its_panel_changes_throws_nothing(
 ) -> None:
     thrown: list[str] = []
     page.on("pageerror", lambda error: thrown.append(str(error)))
-    page.goto(f"{served.url}/sweeps")
+    visit(page, f"{served.url}/sweeps")
     plot = page.get_by_test_id("preview").locator(".js-plotly-plot")
     plot.locator(".main-svg").first.wait_for()
     # The plot's own style is the page library's: it writes it anew with each change of the page.
@@ -97,7 +97,7 @@ def test_an_effect_of_ones_own_is_ranked_explained_added_and_mends_the_model(
     page: Page, served: Any
 ) -> None:
     folder = challenge(served.folder / "outside", OUTSIDE_SEED)
-    page.goto(f"{served.url}/model?folder={quote(str(folder))}&view=tables")
+    visit(page, f"{served.url}/model?folder={quote(str(folder))}&view=tables")
     missing = page.get_by_test_id("missing")
     expect(missing).to_contain_text("1 of them your own", timeout=LONG_MS)
     expect(missing.get_by_test_id("fault")).to_contain_text("unfinished.py, line 3")

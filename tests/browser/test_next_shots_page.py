@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import FIRST_USE_MS, KEY, abort_sweep, type_in
+from tests.browser.conftest import FIRST_USE_MS, KEY, abort_sweep, type_in, visit
 from tests.invoked import rigctl
 
 pytestmark = pytest.mark.long
@@ -27,10 +27,10 @@ def test_shots_that_the_model_asks_for_are_fired_and_stand_in_its_next_fit(
     page: Page, served: Any
 ) -> None:
     fire(served.folder)
-    page.goto(f"{served.url}/campaigns/nylon")
+    visit(page, f"{served.url}/campaigns/nylon")
     measured = page.get_by_test_id("shots").locator("tbody tr").filter(has_text=MEASURED)
     expect(measured).to_have_count(8, timeout=FIRST_USE_MS)
-    page.goto(f"{served.url}/model/nylon?effects={LAW}")
+    visit(page, f"{served.url}/model/nylon?effects={LAW}")
     counted = page.get_by_test_id("counted")
     expect(counted).to_contain_text("shots used", timeout=LONG_MS)
     before = used(counted.inner_text())

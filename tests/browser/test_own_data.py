@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import FIRST_USE_MS, Served, type_in
+from tests.browser.conftest import FIRST_USE_MS, Served, type_in, visit
 from tests.browser.test_accessibility import faults
 
 BOUNCE = 0.8
@@ -45,7 +45,7 @@ def film(path: Path) -> Path:
 
 @pytest.mark.long
 def test_a_film_is_dropped_measured_and_handed_back(page: Page, served: Served) -> None:
-    page.goto(f"{served.url}/campaigns")
+    visit(page, f"{served.url}/campaigns")
     page.get_by_test_id("own").click()
     page.locator("input[type=file]").set_input_files(film(served.folder / "bounce.mp4"))
     expect(page.get_by_test_id("own-film")).to_contain_text(
@@ -74,15 +74,14 @@ def test_a_film_is_dropped_measured_and_handed_back(page: Page, served: Served) 
     assert {"campaign/campaign.toml", "campaign/poses.csv"} <= set(names)
     assert faults(page) == []
     # Who comes back finds the film, and what was measured of it.
-    page.goto(f"{served.url}/own")
+    visit(page, f"{served.url}/own")
     page.get_by_test_id("brought-before").get_by_role("link", name="bounce.mp4").first.click()
     expect(page.get_by_test_id("own-bounces").locator("tbody tr")).to_have_count(2)
 
 
 @pytest.mark.long
 def test_part_ring_and_line_are_dragged_and_moved_by_keys(page: Page, served: Served) -> None:
-    page.goto(f"{served.url}/own")
-    page.wait_for_function("window.did_handshake")
+    visit(page, f"{served.url}/own")
     page.locator("input[type=file]").set_input_files(film(served.folder / "dragged.mp4"))
     # The ball of radius 18 px is found by itself in the picture that is shown.
     words = page.get_by_test_id("scale-words")
@@ -168,8 +167,7 @@ def table(path: Path) -> Path:
 def test_a_tracker_s_table_says_what_measures_it(page: Page, served: Served) -> None:
     places = served.folder / "places.csv"
     places.write_text("frame,x,y\n0,1.0,2.0\n1,1.0,2.5\n")
-    page.goto(f"{served.url}/own")
-    page.wait_for_function("window.did_handshake")
+    visit(page, f"{served.url}/own")
     page.locator("input[type=file]").set_input_files(places)
     expect(page.get_by_test_id("own-track")).to_contain_text("rigctl analyse places.csv")
 
@@ -177,8 +175,7 @@ def test_a_tracker_s_table_says_what_measures_it(page: Page, served: Served) -> 
 def test_a_table_is_told_what_its_columns_are_and_compared_with_the_model(
     page: Page, served: Served
 ) -> None:
-    page.goto(f"{served.url}/own")
-    page.wait_for_function("window.did_handshake")
+    visit(page, f"{served.url}/own")
     page.locator("input[type=file]").set_input_files(table(served.folder / "heights.csv"))
     expect(page.get_by_test_id("own-table")).to_contain_text("heights.csv: 40 rows")
     expect(page.get_by_test_id("own-rows")).to_have_text("39 of 40 rows are impacts.")
@@ -214,8 +211,7 @@ def choose(page: Page, box: str, words: str) -> None:
 
 
 def test_what_is_no_film_is_refused_in_words(page: Page, served: Served) -> None:
-    page.goto(f"{served.url}/own")
-    page.wait_for_function("window.did_handshake")
+    visit(page, f"{served.url}/own")
     letter = {"name": "letter.txt", "mimeType": "text/plain", "buffer": b"dear all"}
     page.locator("input[type=file]").set_input_files([letter])
     failed = page.get_by_test_id("own-failed")
@@ -250,8 +246,7 @@ def test_pictures_without_a_frame_rate_are_measured_once_it_is_stated(
         cv2.circle(grey, (40, 20 + 5 * number), 12, 210, -1)
         kept = cv2.imencode(".png", grey)[1].tobytes()
         pictures.append({"name": f"{number}.png", "mimeType": "image/png", "buffer": kept})
-    page.goto(f"{served.url}/own")
-    page.wait_for_function("window.did_handshake")
+    visit(page, f"{served.url}/own")
     page.locator("input[type=file]").set_input_files(pictures)
     expect(page.get_by_test_id("own-film")).to_contain_text(
         "the file states no frame rate", timeout=FIRST_USE_MS
@@ -279,8 +274,7 @@ def test_several_films_are_measured_and_one_that_is_none_is_named(
     broken = served.folder / "broken.mp4"
     broken.write_bytes(b"no film")
     good = film(served.folder / "good.mp4")
-    page.goto(f"{served.url}/own")
-    page.wait_for_function("window.did_handshake")
+    visit(page, f"{served.url}/own")
     page.locator("input[type=file]").set_input_files([broken, good])
     type_in(page.get_by_test_id("ball-diameter-mm"), str(BALL_MM))
     page.get_by_test_id("own-measure").click()

@@ -10,7 +10,14 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import Served, abort_sweep, answer, patient_configuration, type_in
+from tests.browser.conftest import (
+    Served,
+    abort_sweep,
+    answer,
+    patient_configuration,
+    type_in,
+    visit,
+)
 
 pytestmark = pytest.mark.long
 
@@ -65,7 +72,7 @@ def test_a_browser_without_its_network_is_covered_and_goes_on_with_what_was_type
 
 def test_two_operators_see_each_other_and_only_who_armed_may_fire(page: Page, served: Any) -> None:
     second = page.context.new_page()
-    second.goto(served.url)
+    visit(second, served.url)
     page.get_by_test_id("arm").click()
     expect(page.get_by_test_id("fire")).to_be_enabled(timeout=LONG_MS)
     expect(second.get_by_test_id("arming")).to_contain_text("by somebody else")
@@ -121,7 +128,7 @@ def test_an_interlock_that_refuses_is_marked_and_says_what_to_do(page: Page, ser
 
 def released(page: Page, served: Any) -> None:
     """Open the page, and release a rig that a daemon which was killed has left latched."""
-    page.goto(served.url)
+    visit(page, served.url)
     expect(page.locator(".deaf")).to_have_count(0)
     if page.get_by_test_id("latched").is_visible():
         page.get_by_test_id("release").click()

@@ -8,7 +8,7 @@ from urllib.parse import quote
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
-from tests.browser.conftest import Served
+from tests.browser.conftest import Served, visit
 from tests.browser.test_model_page import HIDDEN, LONG_MS, error_now, known_challenge
 
 MOVED = """(slider, share) => {
@@ -48,7 +48,7 @@ def test_a_hidden_effect_is_moved_added_and_kept_by_a_reload(page: Page, served:
     folder = known_challenge(served)
     sent: list[str] = []
     page.on("websocket", lambda socket: socket.on("framesent", lambda text: sent.append(str(text))))
-    page.goto(f"{served.url}/model?folder={quote(str(folder))}")
+    visit(page, f"{served.url}/model?folder={quote(str(folder))}")
     slider = page.get_by_test_id("amount")
     slider.wait_for(timeout=LONG_MS)
     expect(page.get_by_test_id("story-compare")).to_contain_text("times the noise")
@@ -97,7 +97,7 @@ def test_a_hidden_effect_is_moved_added_and_kept_by_a_reload(page: Page, served:
     page.keyboard.press("u")
     expect(page.get_by_test_id("story-added")).to_have_count(0)
     expect(page).not_to_have_url(re.compile(HIDDEN))
-    page.goto(added)
+    visit(page, added)
     expect(page.get_by_test_id("story-added")).to_have_count(1, timeout=LONG_MS)
     page.get_by_test_id("view-tables").click()
     page.get_by_test_id("error-now").wait_for(timeout=LONG_MS)

@@ -9,7 +9,7 @@ from urllib.parse import quote
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import abort_sweep, answer, type_in
+from tests.browser.conftest import abort_sweep, answer, type_in, visit
 from tests.browser.test_accessibility import faults, out_of_reach
 
 pytestmark = pytest.mark.long
@@ -78,13 +78,13 @@ def test_proposed_shots_open_as_a_form_and_fire_nothing_by_themselves(
 ) -> None:
     shots = '[{"pressure_a_kpa": 50, "pressure_b_kpa": 50, "offset_mm": 9, "repeat": 3}]'
     form = f'{{"note": "tells a from b", "campaign": "next", "shots": {shots}}}'
-    page.goto(f"{served.url}/sweeps?form={quote(form)}")
+    visit(page, f"{served.url}/sweeps?form={quote(form)}")
     expect(page.get_by_test_id("proposed")).to_contain_text("50")
     expect(page.get_by_test_id("sweep-text")).to_have_text("3 shots")
     expect(page.get_by_test_id("preview").locator(".scatterlayer .point")).to_have_count(1)
     expect(page.get_by_test_id("start-sweep")).to_be_enabled()
     expect(page.get_by_test_id("state")).to_have_text("idle")
-    page.goto(f"{served.url}/sweeps?form={quote(form.replace('50', '-5'))}")
+    visit(page, f"{served.url}/sweeps?form={quote(form.replace('50', '-5'))}")
     expect(page.get_by_text("The proposed shots are no sweep")).to_be_visible()
 
 

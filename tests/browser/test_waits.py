@@ -7,14 +7,14 @@ from urllib.parse import quote
 
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import Served
+from tests.browser.conftest import Served, visit
 from tests.browser.test_model_page import LONG_MS, SEED, challenge
 
 
 def test_a_long_wait_says_how_far_it_is_and_is_cancelled(page: Page, served: Served) -> None:
     # Enough shots that the search lasts for many seconds on a fast machine too.
     folder = challenge(served.folder / "long", SEED, shots=150)
-    page.goto(f"{served.url}/model?folder={quote(str(folder))}")
+    visit(page, f"{served.url}/model?folder={quote(str(folder))}")
     page.get_by_test_id("amount").wait_for(timeout=LONG_MS)
     told = page.get_by_test_id("story-compare").inner_text()
     page.get_by_test_id("explain").click()
