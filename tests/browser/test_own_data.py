@@ -164,14 +164,6 @@ def table(path: Path) -> Path:
     return path
 
 
-def test_a_tracker_s_table_says_what_measures_it(page: Page, served: Served) -> None:
-    places = served.folder / "places.csv"
-    places.write_text("frame,x,y\n0,1.0,2.0\n1,1.0,2.5\n")
-    visit(page, f"{served.url}/own")
-    page.locator("input[type=file]").set_input_files(places)
-    expect(page.get_by_test_id("own-track")).to_contain_text("rigctl analyse places.csv")
-
-
 def test_a_table_is_told_what_its_columns_are_and_compared_with_the_model(
     page: Page, served: Served
 ) -> None:

@@ -15,8 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from analysis.arrays import Floats
-from analysis.balls.analysis import FilmJob, analyse_film
-from analysis.balls.document import ball_document
+from analysis.balls.analysis import FilmJob
 from analysis.balls.films.frames import FRAME_SUFFIXES, holds_frames
 from analysis.balls.films.part import Cut
 from analysis.balls.films.reading import PHOTRON_SUFFIXES
@@ -39,6 +38,7 @@ from rigctl.documents import Json
 from rigctl.errors import AnalysisInputError
 from rigctl.input_errors import as_analysis_errors
 from rigctl.measuring.ball_films import BallFilms, Stated, ball_films, shows_one_ball
+from rigctl.measuring.ball_results import ball_result
 from rigctl.measuring.own_film import ball_setup, pose_rows
 
 PICTURE = (480, 640)
@@ -140,18 +140,22 @@ def _beyond(spread: Floats, before: Quantity, after: Quantity, e: Quantity) -> f
 
 def _measured(job: FilmJob) -> Json:
     try:
-        film = analyse_film(job)
+        return ball_result(job).document
     except InputError as error:
         return {"status": "refused", "step": "frames", "reason": str(error)}
     except ShotRefusedError as refusal:
         return {"status": "refused", "step": refusal.step, "reason": refusal.reason}
-    return ball_document(film.measured, film.notes)
 
 
 def _left_out(document: Json) -> str:
     """Return why a film has no flights on both sides of a bounce."""
     if document["status"] == "refused":
         return f"{document['step']}: {document['reason']}"
+    if document["impacts"] and "poses" not in document:
+        return (
+            "bounces that were heard have no flights; write them with rigctl analyse --out FOLDER "
+            "and open that folder"
+        )
     return "; ".join(document["notes"])
 
 

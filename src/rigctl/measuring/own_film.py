@@ -17,20 +17,25 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.balls.analysis import FilmJob, analyse_film
-from analysis.balls.document import ball_document
+from analysis.balls.analysis import FilmJob
 from analysis.balls.films.film import FilmHead, Picture
 from analysis.balls.films.part import Cut
 from analysis.balls.films.reading import open_film
 from analysis.balls.flight.known import AIR_DENSITY, UNKNOWN_DENSITY, Ball
 from analysis.balls.searching import rings
-from analysis.errors import InputError, ShotRefusedError
-from analysis.exchange.folder import write_ball_poses
+from analysis.balls.tracks.bounce_times import read_bounce_times
+from analysis.balls.tracks.table import is_table_of_bounces, read_track_table
+from analysis.errors import InputError, ShotRefusedError, counted
+from analysis.exchange.description import description
+from analysis.exchange.folder import write_ball_poses, write_impacts
+from analysis.exchange.impact_table import ImpactRow
 from analysis.exchange.pose_table import PoseRow
-from analysis.figures.ball_film import draw_ball_film
+from analysis.exchange.shot_list import ShotRow
+from analysis.quantity import Quantity
 from analysis.setup import CameraSetup, Environment, Setup, SlowErrors, SphereSetup
 from rigctl.documents import Json
 from rigctl.errors import AnalysisInputError
+from rigctl.measuring.ball_results import ball_result
 from rigctl.progress import Progress
 
 SHOWN = 8
@@ -57,6 +62,8 @@ def write_ball_campaign(
 ) -> None:
     """Write the flights of measured films as an exchange folder, each film a shot.
 
+    Of bounces that were heard there are no flights: each is a shot with its speeds.
+
     Parameters
     ----------
     camera
@@ -64,8 +71,17 @@ def write_ball_campaign(
     shots
         Documents of films with their numbers as `shot`; one without a bounce is left out.
     """
-    flights = {shot["shot"]: shot["poses"] for shot in shots if "poses" in shot}
+    measured = list(shots)
+    flights = {shot["shot"]: shot["poses"] for shot in measured if "poses" in shot}
     setup = ball_setup(ball, camera, list(flights.values()))
+    heard = [
+        impact for shot in measured if "poses" not in shot for impact in shot.get("impacts", ())
+    ]
+    if heard and not flights:
+        rows = [ShotRow(number, None, {}, {}) for number in range(1, len(heard) + 1)]
+        impacts = [impact_row(number, one) for number, one in enumerate(heard, start=1)]
+        write_impacts(folder, description(name, setup), rows, impacts)
+        return
     write_ball_poses(folder, name, setup, {n: pose_rows(one) for n, one in flights.items()})
 
 
@@ -117,6 +133,16 @@ def _mean_normal(flights: Sequence[Json]) -> tuple[float, float, float] | None:
     return float(x), float(y), float(z)
 
 
+def impact_row(shot: int, impact: Json) -> ImpactRow:
+    """Return the row of impacts.csv of a bounce whose v_s was not seen."""
+    before, after = (Quantity.from_json(impact[key]) for key in ("v_n", "v_n_after"))
+    return ImpactRow(
+        shot,
+        (before.value, math.nan, after.value, math.nan),
+        (before.sigma, None, after.sigma, None),
+    )
+
+
 def pose_rows(poses: Json) -> list[PoseRow]:
     """Return the rows of poses.csv; orientations and the third coordinate were not seen."""
     columns = (poses[key] for key in ("frame", "t_s", "x_m", "y_m", "sigma_x_m", "sigma_y_m"))
@@ -166,14 +192,34 @@ def look_job(asked: Json, progress: Progress) -> Json:
     }
 
 
-def measure_job(asked: Json, progress: Progress) -> Json:
-    """Measure one of some films, write figure and result, and the campaign of all measured so far.
+def table_job(asked: Json, progress: Progress) -> Json:
+    """Say in words what a table of places or of bounces holds, and whether it states times.
 
-    `path` is the film and `shot` its number, `diameter_mm` the ball's and `diameter_sigma` its
-    relative standard error; `mass_g`, `rate_hz` and
-    `window` (column, row, width, height) are None where nothing is stated; `figure`, `result` and
-    `campaign` are where to write, `name` is what to call it and `title` the campaign, `earlier` are
-    results of other films.
+    `path` is the table.
+    """
+    progress("reading the table", None)
+    path = Path(asked["path"])
+    try:
+        if is_table_of_bounces(path):
+            heard = int(np.isfinite(read_bounce_times(path).times_s).sum())
+            return {"said": f"times of {counted(heard, 'bounce')} that were heard", "timed": True}
+        table = read_track_table(path)
+    except InputError as error:
+        raise AnalysisInputError(error.reason, part=path.name) from error
+    things = len(np.unique(table.things))
+    said = f"{counted(len(table.places), 'place')} of {counted(things, 'thing')}, " + (
+        "with times" if table.states_times else "without times"
+    )
+    return {"said": said, "timed": table.states_times}
+
+
+def measure_job(asked: Json, progress: Progress) -> Json:
+    """Measure one film, or table, of some; write figure and result, and the campaign of all so far.
+
+    `path` is the film or table and `shot` its number, `diameter_mm` the ball's and `diameter_sigma`
+    its relative standard error; `mass_g`, `rate_hz` and `window` (column, row, width, height) are
+    None where nothing is stated; `figure`, `result` and `campaign` are where to write, `name` is
+    what to call it and `title` the campaign, `earlier` are results of other films.
     """
     window = asked["window"]
     ball = stated_ball(asked["diameter_mm"], asked["mass_g"], asked["diameter_sigma"])
@@ -186,20 +232,20 @@ def measure_job(asked: Json, progress: Progress) -> Json:
     )
     progress("finding the ball and following it", 0.1)
     try:
-        film = analyse_film(job)
+        result = ball_result(job)
     except InputError as error:
         raise AnalysisInputError(error.reason, part=Path(error.path).name) from error
     except ShotRefusedError as refusal:
         raise AnalysisInputError(refusal.reason, part=f"the {refusal.step}") from refusal
-    document = {"shot": asked["shot"], **ball_document(film.measured, film.notes)}
+    document = result.document
     progress("drawing", 0.8)
-    draw_ball_film(Path(asked["figure"]), asked["name"], film)
+    if result.draw is not None:
+        result.draw(Path(asked["figure"]), asked["name"])
     Path(asked["result"]).write_text(json.dumps(document, allow_nan=False), encoding="utf-8")
-    size = film.film.head.height, film.film.head.width
     earlier = [json.loads(Path(path).read_text("utf-8")) for path in asked["earlier"]]
     shots = sorted([*earlier, document], key=lambda one: int(one["shot"]))
     write_ball_campaign(
-        Path(asked["campaign"]), asked["title"], ball, (asked["rate_hz"], size), shots
+        Path(asked["campaign"]), asked["title"], ball, (asked["rate_hz"], result.size), shots
     )
     return document
 

@@ -9,7 +9,7 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from analysis.figures.ball_film import LABEL_HEIGHT, LABEL_WIDTH, free_heights, mark
+from analysis.figures.flights import LABEL_HEIGHT, LABEL_WIDTH, free_heights, mark
 
 
 @pytest.mark.parametrize("crowd", [1, 3, 12])

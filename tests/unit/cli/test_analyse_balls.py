@@ -9,9 +9,11 @@ import cv2
 import numpy as np
 import pytest
 
+from analysis.exchange.impact_table import read_impacts
 from analysis.exchange.pose_table import read_poses
 from analysis.model.data.gather import gather
 from analysis.model.data.poses import PoseData
+from analysis.model.data.tables import ContactTable
 from benchmarks.balls.missing import films, of_folder, told
 from rigctl import cli
 from tests.unit.cli.falling_ball import (
@@ -231,14 +233,34 @@ def test_a_tracker_s_table_gives_e_of_every_bounce_and_poses_that_the_model_read
     assert isinstance(data, PoseData)
     # The k-th bounce of shot 1 is impact 100 + k.
     assert data.shots.tolist() == [101, 102]
+    figure = tmp_path / "figures" / "bounces.png"
+    answer(capsys, str(table), *SIZE, "--fps", "200", "--figure", str(figure))
+    assert cv2.imread(str(figure)).std() > 10
+
+
+def test_bounces_that_were_heard_become_impacts_that_the_model_reads(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    # Each flight lasts 0.9 of the one before: in a vacuum that is e.
+    times = 0.5 + 0.8 * np.cumsum(0.9 ** np.arange(8))
+    names = ",".join(f"Bounce {k} (s)" for k in range(len(times)))
+    table, out = tmp_path / "heard.csv", tmp_path / "out"
+    table.write_text(f"{names}\n{','.join(f'{t:.5f}' for t in times)}\n")
+    shot = answer(capsys, str(table), *SIZE, "--ball-mass-g", "500", "--out", str(out))
+    _, data = gather(out)
+    assert isinstance(data, ContactTable)
+    assert len(data.shots) == len(shot["impacts"]) == 6
+    came = [impact.speeds[0] for impact in read_impacts(out / "impacts.csv")]
+    assert came == [each["v_n"]["value"] for each in shot["impacts"]]
+    figure = ["--figure", str(tmp_path / "a.png")]
+    assert cli.run(["analyse", str(table), *SIZE, *figure]) == cli.BAD_INPUT
+    assert "bounces that were heard have none" in capsys.readouterr().err
 
 
 def test_what_asks_for_pictures_of_a_table_is_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     table = str(track(tmp_path / "table.csv"))
-    assert cli.run(["analyse", table, *SIZE, "--figure", str(tmp_path / "a.png")]) == cli.BAD_INPUT
-    assert "draws over the pictures of a film" in capsys.readouterr().err
     shot = answer(capsys, table, *SIZE, "--fps", "200", "--roi", "0,0,9,9")
     assert "a table has no pictures" in shot["reason"]
 

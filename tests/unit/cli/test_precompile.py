@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from rigctl.cli.frames.balls import ball_document
+from analysis.balls.document import ball_document
 from rigctl.cli.frames.precompile import DISC_PX, REBOUND, locate_drawn_disc, measure_drawn_ball
 
 

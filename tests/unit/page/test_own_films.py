@@ -14,10 +14,10 @@ import pytest
 from nicegui import Client, core, ui
 
 from rigctl.jobs import Job, JobState
-from rigctl.page.own import look, pages
+from rigctl.page.own import film, look, measuring
 from rigctl.page.own.brought import Brought
+from rigctl.page.own.film import FilmView
 from rigctl.page.own.marks import Marks
-from rigctl.page.own.pages import FilmView
 from rigctl.page.parts import waiting
 
 AT = datetime(2026, 1, 1, tzinfo=UTC)
@@ -56,8 +56,8 @@ class Drawn:
             self.asked.append(asked)
             return lambda: None
 
-        monkeypatch.setattr(pages, "in_process", in_process)
-        for module in (pages, look, waiting):
+        monkeypatch.setattr(measuring, "in_process", in_process)
+        for module in (film, look, waiting):
             monkeypatch.setattr(module, "following", lambda *given: None, raising=False)
         desk: Any = SimpleNamespace(daemon=SimpleNamespace(jobs=self.jobs))
         brought = Brought(folder, films=(folder / "1.mp4", folder / "2.mp4"))

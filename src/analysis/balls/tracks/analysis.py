@@ -13,7 +13,7 @@ from analysis.balls.tracks.bounce_times import (
     read_bounce_times,
 )
 from analysis.balls.tracks.document import track_document
-from analysis.balls.tracks.measuring import measure_track
+from analysis.balls.tracks.measuring import MeasuredTrack, measure_track
 from analysis.balls.tracks.table import TrackTable, is_table_of_bounces, read_track_table
 from analysis.errors import ShotRefusedError
 
@@ -33,11 +33,14 @@ class AnalysedTable:
         How many there are; 0 of bounces that were heard.
     size
         Rows and columns of the picture in which its poses are.
+    track
+        The ball's flights; None of bounces that were heard.
     """
 
     document: Json
     frames: int
     size: tuple[int, int]
+    track: MeasuredTrack | None = None
 
 
 def analyse_table(job: FilmJob) -> AnalysedTable:
@@ -63,7 +66,8 @@ def analyse_table(job: FilmJob) -> AnalysedTable:
     if cut is not None:
         table = _part(table, cut.first, cut.last)
     measured = measure_track(table, job.ball, job.rate_hz, job.exposure_s)
-    return AnalysedTable(track_document(measured), len(measured.times_s), measured.size)
+    frames, size = len(measured.times_s), measured.size
+    return AnalysedTable(track_document(measured), frames, size, measured)
 
 
 def _part(table: TrackTable, first: int, last: int | None) -> TrackTable:

@@ -173,7 +173,7 @@ def _clock(table: TrackTable, rate_hz: float | None) -> _Clock:
         raise ShotRefusedError("frames", f"{len(numbers)} frames; {MOST_FRAMES} are read at most")
     if rate_hz is not None:
         return _Clock(numbers, numbers / rate_hz, index)
-    if times is None or _counts_frames(times):
+    if times is None or not table.states_times:
         said = "no times" if times is None else "times that are frame numbers"
         raise ShotRefusedError("frames", f"the table has {said}; state the rate with --fps")
     if len(numbers) < 2 or not np.all(np.diff(times[first]) > 0):
@@ -191,12 +191,6 @@ def _numbered(times: Floats) -> Floats:
     if even and len(np.unique(np.round(steps))) == len(each):
         return np.asarray(np.round(steps)[index])
     return np.asarray(index, dtype=np.float64)
-
-
-def _counts_frames(times: Floats) -> bool:
-    """Return whether times are whole numbers, one after another."""
-    each = np.unique(times)
-    return bool(np.all(each == np.round(each))) and float(np.median(np.diff(each))) == 1.0
 
 
 def _fall(table: TrackTable, clock: _Clock) -> tuple[TableFall, NDArray[np.bool_]]:

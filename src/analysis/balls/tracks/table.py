@@ -66,6 +66,15 @@ class TrackTable:
     numbered: bool
     notes: tuple[str, ...]
 
+    @property
+    def states_times(self) -> bool:
+        """Whether it has times; whole numbers, one after another, are numbers of frames."""
+        if self.times_s is None:
+            return False
+        each = np.unique(self.times_s)
+        whole = bool(np.all(each == np.round(each)))
+        return not (whole and len(each) > 1 and float(np.median(np.diff(each))) == 1.0)
+
 
 @dataclass(frozen=True, slots=True)
 class _Columns:

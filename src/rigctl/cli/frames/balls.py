@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,19 +12,18 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from analysis.balls.analysis import AnalysedFilm, FilmJob, analyse_film
+from analysis.balls.analysis import FilmJob
 from analysis.balls.carried import NotFlyingError
-from analysis.balls.document import Json, ball_document, positions
+from analysis.balls.document import Json, positions
 from analysis.balls.films.part import Cut
 from analysis.balls.films.raw import EXAMPLE, RawLayout
-from analysis.balls.tracks.analysis import analyse_table
-from analysis.balls.tracks.table import TABLE_SUFFIXES
+from analysis.balls.tracks.table import is_table_of_bounces
 from analysis.errors import InputError, ShotRefusedError
-from analysis.figures.ball_film import draw_ball_film
 from analysis.quantity import Quantity
 from rigctl.errors import AnalysisInputError, SettingsError
 from rigctl.input_errors import as_analysis_errors
 from rigctl.measuring.ball_films import Stated, ball_films
+from rigctl.measuring.ball_results import ball_result
 from rigctl.measuring.own_film import write_ball_campaign
 
 METHOD = "ball"
@@ -112,18 +111,13 @@ def analyse_balls(request: BallRequest, *, as_json: bool) -> None:
         films = ball_films(request.paths, stated)
     name, jobs = films.name, films.jobs
     if request.figure is not None:
-        _require_pictures(jobs)
+        _require_flights(jobs)
     started = time.perf_counter()
     shots: list[Json] = []
     frames, size = 0, (480, 640)
     for job in jobs:
         try:
-            if job.path.suffix.lower() in TABLE_SUFFIXES:
-                table = analyse_table(job)
-                frames, size = frames + table.frames, table.size
-                shots.append({"shot": job.shot, **table.document})
-                continue
-            film = analyse_film(job)
+            result = ball_result(job)
         except InputError as error:
             shots.append(_refused(job, "frames", str(error)))
             continue
@@ -132,11 +126,11 @@ def analyse_balls(request: BallRequest, *, as_json: bool) -> None:
             if isinstance(refusal, NotFlyingError) and refusal.placed is not None:
                 shots[-1]["positions"] = positions(refusal.placed, refusal.times_s)
             continue
-        frames += film.film.head.frames
-        size = film.film.head.height, film.film.head.width
-        shots.append({"shot": job.shot, **ball_document(film.measured, film.notes)})
-        if request.figure is not None:
-            _draw(request.figure, name, job, film, alone=len(jobs) == 1)
+        frames, size = frames + result.frames, result.size
+        shots.append(result.document)
+        if request.figure is not None and result.draw is not None:
+            number = None if len(jobs) == 1 else job.shot
+            _draw(request.figure, f"{name}, shot {job.shot}", result.draw, number)
     elapsed = time.perf_counter() - started
     rates = {shot["frame_rate_hz"] for shot in shots if "frame_rate_hz" in shot}
     document = {
@@ -159,16 +153,15 @@ def analyse_balls(request: BallRequest, *, as_json: bool) -> None:
         raise nothing_measured(name, len(shots), refused[0])
 
 
-def _require_pictures(jobs: Sequence[FilmJob]) -> None:
-    """Refuse to draw over a table; raise `SettingsError`."""
+def _require_flights(jobs: Sequence[FilmJob]) -> None:
+    """Refuse to draw bounces that were heard; raise `SettingsError`."""
     for job in jobs:
-        if job.path.suffix.lower() in TABLE_SUFFIXES:
+        if is_table_of_bounces(job.path):
             raise SettingsError(
-                "draws over the pictures of a film",
+                "draws the flights of a ball, and bounces that were heard have none",
                 part="--figure",
                 value=job.path.name,
-                limit="a table has none",
-                todo="leave it out, or state the film",
+                todo="leave it out",
             )
 
 
@@ -250,11 +243,12 @@ def _layout(said: str | None) -> RawLayout | None:
 def _write(folder: Path, name: str, films: Films, shots: Sequence[Json]) -> None:
     """Write the flights of all films; a folder that is read is not written over."""
     jobs, size = films
-    if all(shot["status"] == "measured" and "frame_rate_hz" not in shot for shot in shots):
+    kinds = {"poses" in shot for shot in shots if shot.get("impacts")}
+    if len(kinds) > 1:
         raise AnalysisInputError(
-            "holds the times of bounces alone; --out writes places of flights",
+            "holds flights and bounces that were heard, of which one folder takes one kind",
             part=name,
-            todo="leave --out away, and state e and speeds in an impacts.csv for the model",
+            todo="write them with a command each, to two folders",
         )
     if any(folder.resolve() in {job.path.resolve(), *job.path.resolve().parents} for job in jobs):
         raise AnalysisInputError(
@@ -266,11 +260,11 @@ def _write(folder: Path, name: str, films: Films, shots: Sequence[Json]) -> None
         write_ball_campaign(folder, name, jobs[0].ball, (jobs[0].rate_hz, size), shots)
 
 
-def _draw(figure: Path, name: str, job: FilmJob, film: AnalysedFilm, *, alone: bool) -> None:
-    path = figure if alone else figure.with_stem(f"{figure.stem}-{job.shot:04d}")
+def _draw(figure: Path, title: str, draw: Callable[[Path, str], None], number: int | None) -> None:
+    path = figure if number is None else figure.with_stem(f"{figure.stem}-{number:04d}")
     with _writing("--figure", path):
         path.parent.mkdir(parents=True, exist_ok=True)
-        draw_ball_film(path, f"{name}, shot {job.shot}", film)
+        draw(path, title)
 
 
 @contextmanager

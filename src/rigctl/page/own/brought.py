@@ -14,6 +14,7 @@ from typing import IO
 
 from analysis.balls.films.reading import FILM_SUFFIXES, PHOTRON_SUFFIXES
 from analysis.balls.films.stacks import PICTURE_SUFFIXES
+from analysis.balls.tracks.table import is_table_of_bounces, is_track_table
 from analysis.imaging.files.tiff_file import holds_pages
 from rigctl.documents import Json
 from rigctl.errors import AnalysisInputError
@@ -84,9 +85,9 @@ class Brought:
         return (self.table or self.campaign or self.folder).name
 
     def results(self) -> dict[int, Json]:
-        """Return what was measured of the films before, by their place."""
+        """Return what was measured of the films, or of the table, before, by their place."""
         kept = self.folder / MEASURED
-        paths = ((k, kept / f"{RESULT}-{k + 1}.json") for k in range(len(self.films)))
+        paths = ((k, kept / f"{RESULT}-{k + 1}.json") for k in range(len(self.films) or 1))
         return {k: json.loads(path.read_text("utf-8")) for k, path in paths if path.is_file()}
 
 
@@ -176,7 +177,7 @@ def what_is_in(place: Path) -> Brought:
     where = unpacked if unpacked.is_dir() else place
     made = place / MEASURED
     top = [path for path in sorted(where.rglob("*")) if path.is_file() and made not in path.parents]
-    tables = [path for path in top if path.suffix.lower() in TABLES]
+    tables = [path for path in top if path.suffix.lower() in TABLES or looks_tracked(path)]
     films = [path for path in top if path.suffix.lower() in FILM_SUFFIXES]
     pictures = [path for path in top if path.suffix.lower() in PICTURE_SUFFIXES]
     if len(pictures) > 1 and not all(map(holds_pages, pictures)):
@@ -196,6 +197,11 @@ def what_is_in(place: Path) -> Brought:
         todo=f"drop films ({kinds}), pictures of one film ({', '.join(PICTURE_SUFFIXES)}), a "
         "table as CSV, or an exchange folder as ZIP",
     )
+
+
+def looks_tracked(path: Path) -> bool:
+    """Return whether a file is a table of a tracker's places, or of bounces that were heard."""
+    return is_track_table(path) or is_table_of_bounces(path)
 
 
 def _recording(path: Path) -> str:

@@ -82,18 +82,19 @@ class MeasuredFilms:
         address = f"{ADDRESS}/{self.brought.token}"
         for film in sorted(self.results):
             name = f"{FIGURE}-{film + 1}.png"
-            ui.html(
-                f'<img src="{address}/{name}" alt="The film with the ball\'s places, flights and '
-                'bounces drawn over it, and what is left beside the flights.">',
-                sanitize=False,
-            ).classes("own-figure").props(
-                "tabindex=0 role=region aria-label='Picture of the measured film'"
-            )
+            files = [(f"{RESULT}-{film + 1}.json", "all numbers as JSON")]
+            # Of bounces that were heard there is no picture.
+            if (self.brought.folder / MEASURED / name).exists():
+                files.insert(0, (name, "the picture"))
+                ui.html(
+                    f'<img src="{address}/{name}" alt="The ball\'s places, flights and bounces, '
+                    'and what is left beside the flights.">',
+                    sanitize=False,
+                ).classes("own-figure").props(
+                    "tabindex=0 role=region aria-label='Picture of the measured flights'"
+                )
             with ui.element("div").classes("beside"):
-                for file, words in (
-                    (name, "the picture"),
-                    (f"{RESULT}-{film + 1}.json", "all numbers as JSON"),
-                ):
+                for file, words in files:
                     ui.link(f"Save {words}", f"{address}/{file}").props(f'download="{file}"')
         save_campaign(self.brought)
 

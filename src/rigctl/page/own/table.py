@@ -7,7 +7,6 @@ from pathlib import Path
 
 from nicegui import events, ui
 
-from analysis.balls.tracks.table import is_table_of_bounces, is_track_table
 from rigctl.errors import RigError
 from rigctl.measuring.own_table import (
     MEANINGS,
@@ -53,17 +52,6 @@ class TableView:
                 f"{path.name}: {len(self._table.rows)} rows. Choose one column for the speed, or "
                 "the height of the fall, before each impact, and one for after it."
             ).props("data-testid=own-table")
-            if is_track_table(path):
-                ui.label(
-                    f"It looks like a tracker's places: rigctl analyse {path.name} "
-                    "--ball-diameter-mm 40 --fps 240 --out drops, with your ball and rate, "
-                    "measures e of its bounces; drop the folder drops here as a ZIP."
-                ).classes("note").props("data-testid=own-track")
-            elif is_table_of_bounces(path):
-                ui.label(
-                    f"It looks like times of bounces: rigctl analyse {path.name} "
-                    "--ball-diameter-mm 40, with your ball, measures e of each."
-                ).classes("note").props("data-testid=own-track")
             self._preview()
         with ui.element("section").classes("panel"):
             self._bodies()
