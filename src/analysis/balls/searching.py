@@ -36,6 +36,7 @@ from analysis.balls.seen.looks import (
 from analysis.balls.seen.repeats import refuse_brought_to_rate, repeated
 from analysis.balls.seen.surroundings import Surroundings
 from analysis.balls.seen.turning import turning_ball
+from analysis.balls.seen.uncovered import uncovered
 from analysis.errors import ShotRefusedError, counted
 
 MOST_FAMILIES = 4
@@ -111,6 +112,7 @@ def search(film: Film, times_s: Floats, ball: Ball, *, complete: bool = False) -
         raise otherwise
     if best is not None:
         others = tuple((one.chain, True) for one in seen if another(one, best))
+        best = _uncovered(best, (film, times_s, ball), (read, samples, ground), complete=complete)
         return replace(best, others=(*best.others, *others))
     raise refused or ShotRefusedError(
         "ball",
@@ -118,6 +120,27 @@ def search(film: Film, times_s: Floats, ball: Ball, *, complete: bool = False) -
         f"were looked at{_at_rest(ground)}; check that the ball is in the picture and the "
         "camera stands still",
     )
+
+
+def _uncovered(
+    best: Search,
+    asked: tuple[Film, Floats, Ball],
+    shown: tuple[dict[int, Picture], dict[int, Picture], Picture],
+    *,
+    complete: bool,
+) -> Search:
+    """Return a ball's flights once more, where it hid what stands still in most of the frames."""
+    film, _, _ = asked
+    read, samples, ground = shown
+    about = best.looks.radius_px, best.chain, best.unexplained
+    bare = uncovered(samples, ground, noise_of(list(samples.values()), ground), about)
+    if bare is None:
+        return best
+    looks = looks_of(best.looks.seen, samples, bare, film.head)
+    (again,) = _searches(*asked, [looks], (read, bare), complete=complete)
+    if not isinstance(again, Search) or len(again.chain.times_s) < len(best.chain.times_s):
+        return best
+    return replace(again, others=best.others)
 
 
 def _size_ranges(ground: Picture) -> list[tuple[tuple[float, float], float]]:
