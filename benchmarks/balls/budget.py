@@ -14,7 +14,6 @@ import numpy as np
 from analysis.balls.flight import path
 from analysis.balls.flight.flights import Flights
 from analysis.balls.flight.known import LEVEL_SIGMA
-from analysis.balls.flight.solving import LEVEL
 
 SOURCES = {
     "scale": (path.FALL,),
@@ -47,7 +46,7 @@ def budget(flights: Flights, bounce: int, sigma: float) -> dict[str, float]:
     found = {name: math.sqrt(parts[list(own)].sum()) for name, own in SOURCES.items()}
     named = [index for own in SOURCES.values() for index in own]
     found["drift"] = math.hypot(*np.sqrt(np.delete(parts, named)), *(flights.drifts @ moved))
-    found["level"] = abs(float(moved[LEVEL].sum())) / LEVEL_SIGMA
+    found["level"] = abs(float(moved[path.LEVEL].sum())) / LEVEL_SIGMA
     fitted = float(slope @ moved)
     found["places"] = _root(fitted - _square(found))
     found["rise of the drift"] = abs(float(slope @ flights.by_rise))

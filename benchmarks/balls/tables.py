@@ -169,6 +169,27 @@ def thrown_at_a_wall(drawn: Scene, seed: int) -> Scene:
     return stage, replace(drop, start=start, speed=velocity, wall=wall), camera, frames
 
 
+def on_a_leaning_plate(drawn: Scene, seed: int) -> tuple[Scene, float]:
+    """Return a scene with a plate that leans, and by how much the camera is upright, rad.
+
+    The law has gravity lean over a level plate: places are turned back to an upright camera, which
+    a shutter that rolls could not see so.
+    """
+    stage, drop, camera, frames = drawn
+    rng = np.random.default_rng([10, seed])
+    lean = math.radians(rng.uniform(2.0, 25.0) * rng.choice([-1.0, 1.0]))
+    width = stage.size[1] / stage.focal_px * float(-stage.eye[2])
+    start = drop.start - [0.3 * width * np.sign(lean), 0.0, 0.0]
+    leaning = replace(drop, start=start, speed=0.3 * drop.speed, lean=lean)
+    return (stage, leaning, replace(camera, readout_s=0.0), frames), rng.choice([0.0, lean])
+
+
+def turned(seen: Seen, angle: float) -> Seen:
+    """Return places turned about the first, clockwise as they are seen."""
+    turn = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
+    return replace(seen, places=(seen.places - seen.places[0]) @ turn.T + seen.places[0])
+
+
 Writer = Callable[[Seen, Sequence[Bounce]], str]
 WRITERS: dict[str, tuple[Writer, bool]] = {
     "Tracker": (lambda seen, _: of_tracker(seen), False),
@@ -215,6 +236,13 @@ def main() -> None:
             ball = Ball(drop.diameter, density=density)
             off, _ = pulls(of_trackmate(seen), "table.csv", (ball, None), bounces)
             every.setdefault("TrackMate, thrown at a wall", []).extend(off)
+            leaning, upright = on_a_leaning_plate(drawn, seed)
+            seen, bounces = tracked(leaning, seed)
+            off, _ = pulls(of_trackmate(turned(seen, upright)), "table.csv", (ball, None), bounces)
+            every.setdefault("TrackMate, on a leaning plate", []).extend(off)
+            shown = " ".join(f"{one:+.2f}" for one in off)
+            lean = math.degrees(leaning[1].lean)
+            print(f"{kind} {seed} plate leans {lean:+.1f}, upright {upright != 0}: pulls {shown}")
             text, between = heard(drop, 1000 * number + seed)
             off, lost = pulls(
                 text, "Energy.csv", (Ball(drop.diameter, density=density), None), between

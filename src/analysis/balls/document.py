@@ -45,7 +45,7 @@ def _poses(flights: Flights, found: Sequence[Coefficient], scatter: Floats) -> J
     places = _upright(flights, _in_plane(flights, times)) / scale
     distance = flights.at(times, flights.arcs)[:, 2]
     sigmas = scatter * distance[:, None] / scale
-    lean = float(flights.values[path.TILT] + flights.values[path.ROLL])
+    lean = flights.lean
     told = not flights.contradiction and flights.scale_of_diameter[1] < UNTOLD
     by_size = flights.scale_of_diameter if told else flights.scale_of_fall
     return {

@@ -14,6 +14,7 @@ from analysis.balls.flight.known import UNKNOWN_SPREAD
 from analysis.balls.flight.lost import MOST_E, MOST_SCATTER_PX
 from analysis.balls.gaps import period_of
 from analysis.balls.measuring import MeasuredBall, coefficient
+from analysis.quantity import Quantity
 
 NOTED_CHI2 = 9.0
 """Mean square of the residuals in errors, from which on it is said."""
@@ -31,6 +32,7 @@ def doubts(measured: MeasuredBall, flights: Flights, *, alone: bool = True) -> I
     """Return the sentences on flights that are fitted; `alone`: off no other surface it bounces."""
     yield from _far_from_flights(flights)
     yield from _beyond_one(flights)
+    yield from leaning(flights)
     yield from pushed_aside(flights)
     yield from _unsettled(measured.unsettled_e, flights)
     yield from _unsure(measured.unsure_e, flights)
@@ -86,8 +88,22 @@ def _far_from_flights(flights: Flights) -> Iterator[str]:
     )
 
 
+def leaning(flights: Flights) -> Iterator[str]:
+    """Say how a plate leans that is not level, as several bounces show or as is stated."""
+    if flights.leans:
+        size, sigma = math.degrees(abs(flights.lean)), math.degrees(flights.lean_sigma)
+        lean = Quantity(size, sigma, "deg")
+        yield (
+            f"the surface leans by {lean.concise()} degrees, lower on the "
+            f"{'right' if flights.lean > 0 else 'left'}; v_n, v_t and e are along its normal and "
+            "beside it"
+        )
+
+
 def pushed_aside(flights: Flights) -> Iterator[str]:
     """Say where a ball leaves its plate sideways faster than it came: by spin, or as that leans."""
+    if flights.leans:
+        return
     for bounce, (_, came, beside, left, aside, _) in enumerate(flights.contacts.tolist()):
         gained = abs(aside) - abs(beside)
         if gained > PUSHED * came:
@@ -97,7 +113,8 @@ def pushed_aside(flights: Flights) -> Iterator[str]:
                 f"bounce {bounce + 1}, {_before(flights, bounce)}, leaves along the surface at "
                 f"{abs(aside) / scale:.2f} m/s, faster than it came ({abs(beside) / scale:.2f}): "
                 f"the ball spins, or the surface leans by some {lean:.0f} degrees; e takes it for "
-                "level or plumb within 0.01 rad, and is off if it is not"
+                "level or plumb within 0.01 rad, and is off if it is not; state how a plate lies "
+                "(spheres.normal in a campaign.toml, --setup)"
             )
 
 

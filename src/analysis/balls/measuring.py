@@ -23,7 +23,7 @@ from analysis.balls.seen.arcs import Chain
 from analysis.balls.seen.looks import Looks
 from analysis.balls.seen.placing import Placed, Placer
 from analysis.balls.seen.windows import Motion, Seen, Window, cut_windows
-from analysis.balls.surfaces import parts
+from analysis.balls.surfaces import Part, parts
 from analysis.balls.systematics import (
     ByRadius,
     RimsOff,
@@ -187,8 +187,8 @@ def _measured(
     found = search(film, times_s, ball, complete=complete)
     stated = ball, exposure_s
     every = [
-        _at_surface(film, replace(found, chain=part.chain), stated, part.lean)
-        for part in parts(found.chain, found.fall)
+        _at_surface(film, replace(found, chain=part.chain), stated, part)
+        for part in parts(found.chain, found.fall, ball.plate_lean)
     ]
     # The first surface off which a bounce is measured; of the others those that have one.
     first, fits = next((one for one in every if one[0].bounces), every[0])
@@ -197,11 +197,12 @@ def _measured(
 
 
 def _at_surface(
-    film: Film, found: Search, stated: tuple[Ball, float | None], lean: float
+    film: Film, found: Search, stated: tuple[Ball, float | None], part: Part
 ) -> tuple[MeasuredBall, list[_Fit]]:
     """Return the flights about bounces off one surface, and what they were fitted to each time."""
     ball, exposure_s = stated
     looks, chain, times_s = found.looks, found.chain, found.times_s
+    start = part.start(found.fall, float(found.fall[0]) if found.contradicts else None)
     period = float(np.median(np.diff(times_s)))
     motion = _first_motion(chain, found.fall)
     placer = Placer.new(looks.radius_px, exposure_s or 0.0)
@@ -221,7 +222,7 @@ def _at_surface(
     fits: list[_Fit] = []
     for repeat in range(MOST_REPEATS if len(chain.times_s) else 0):
         view = _view(film.head, period, placer.exposure_s)
-        observed, start = _observed(placed, times_s, of_radius), _start(found, lean)
+        observed = _observed(placed, times_s, of_radius)
         known = Known(ball, view, looks.radius_px, looks.radius_sigma_px)
         fitted = fit_flights(observed, start, known, flights)
         if fitted is None:
@@ -262,7 +263,7 @@ def _at_surface(
         unsure_e=_unsure(flights),
         head=film.head,
     )
-    return measured, [] if lean else fits
+    return measured, [] if start.off_a_wall else fits
 
 
 def _unsure(flights: Flights | None) -> Floats:
@@ -369,12 +370,6 @@ def _observed(placed: Placed, times_s: Floats, of_radius: ByRadius | None) -> Ob
         return replace(plain, bare=True)
     own = of_radius.of(placed.frames)
     return replace(plain, leans=own.shifts, sizes=own.sizes)
-
-
-def _start(found: Search, lean: float) -> Start:
-    chain, fall = found.chain, found.fall
-    own = float(fall[0]) if found.contradicts else None
-    return Start(chain.times_s, chain.places, *chain.speeds(fall), own, lean)
 
 
 def coefficient(measured: MeasuredBall, bounce: int) -> tuple[float, float]:

@@ -13,7 +13,7 @@ from analysis.balls.analysis import FilmJob
 from analysis.balls.films.part import Cut
 from analysis.balls.films.raw import RawLayout
 from analysis.balls.films.reading import film_of_shot
-from analysis.balls.flight.known import Ball
+from analysis.balls.flight.known import Ball, plate_lean
 from analysis.balls.lens.lens import read_lens
 from analysis.campaign import DESCRIPTION, FRAMES, POSES, SHOT_LIST
 from analysis.errors import InputError
@@ -95,7 +95,9 @@ def ball_films(paths: Sequence[Path], stated: Stated) -> BallFilms:
         if home is None:
             names.append(path.stem)
             number = int(path.stem) if path.stem.isdecimal() else len(jobs) + 1
-            own = [(_job(number, path, _loose(stated), stated), ShotRow(number, None, {}, {}))]
+            known = None if stated.setup is None else read_description(stated.setup)[1]
+            job = _job(number, path, _ball(stated, known), stated)
+            own = [(job, ShotRow(number, None, {}, {}))]
         else:
             name, setup = read_description(home / DESCRIPTION)
             names.append(name)
@@ -130,7 +132,7 @@ def _of_folder(folder: Path, setup: Setup, stated: Stated) -> Iterator[tuple[Fil
     if not (folder / FRAMES).exists():
         there = "holds poses and no frames; `rigctl model` reads it"
         raise InputError(folder, there if (folder / POSES).exists() else f"holds no {FRAMES}")
-    ball = Ball.of_setup(setup) if stated.diameter_mm is None else _loose(stated)
+    ball = _ball(stated, setup)
     rows = read_shot_list(folder / SHOT_LIST)
     if not rows:
         raise InputError(folder / SHOT_LIST, "names no shots")
@@ -160,12 +162,13 @@ def _job(number: int, path: Path, ball: Ball, stated: Stated) -> FilmJob:
     )
 
 
-def _loose(stated: Stated) -> Ball:
-    """Return the ball of films without a campaign's folder."""
+def _ball(stated: Stated, setup: Setup | None) -> Ball:
+    """Return the ball as it is stated, else as a set-up has it; the plate lies as that says."""
     if stated.diameter_mm is not None:
-        return stated_ball(stated.diameter_mm, stated.mass_g)
-    if stated.setup is not None:
-        return Ball.of_setup(read_description(stated.setup)[1])
+        ball = stated_ball(stated.diameter_mm, stated.mass_g)
+        return ball if setup is None else replace(ball, plate_lean=plate_lean(setup))
+    if setup is not None:
+        return Ball.of_setup(setup)
     raise SettingsError(
         "is missing",
         part="the ball's diameter",

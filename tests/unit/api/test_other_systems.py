@@ -43,7 +43,7 @@ def test_a_folder_of_frames_is_measured_and_fitted_without_unix(filmed: Path) ->
         [sys.executable, "-c", ELSEWHERE, str(filmed)],
         capture_output=True,
         text=True,
-        timeout=200,
+        timeout=500,
         check=False,
     )
     assert done.returncode == 0, done.stderr

@@ -12,9 +12,9 @@ from scipy.stats import norm
 from analysis.arrays import Floats
 from analysis.balls.flight import path
 from analysis.balls.flight.flights import Flights, Ints
-from analysis.balls.flight.known import LEVEL_SIGMA, LOOK_SIGMA
+from analysis.balls.flight.known import LOOK_SIGMA
 from analysis.balls.flight.problem import Problem
-from analysis.balls.flight.solving import LEVEL, Chosen, solve
+from analysis.balls.flight.solving import Chosen, solve
 
 EARLY = 3.0
 """Standard errors of what is known of contacts by which places alone have one end before it has
@@ -127,8 +127,8 @@ def _covariance(problem: Problem, values: Floats, slopes: Floats, errors: Floats
     design = slopes[:, :, free] / errors[..., None]
     normal = np.einsum("nap,naq->pq", design, design)
     normal += np.diag(1.0 / problem.prior_sigma[free] ** 2)
-    both = np.flatnonzero(np.isin(np.flatnonzero(free), LEVEL))
-    normal[np.ix_(both, both)] += 1.0 / LEVEL_SIGMA**2
+    both = np.flatnonzero(np.isin(np.flatnonzero(free), path.LEVEL))
+    normal[np.ix_(both, both)] += 1.0 / problem.start.lean_sigma**2
     for told in (problem.drifts[:, free], problem.beyond(values)[1][:, free]):
         normal += told.T @ told
     covariance = np.zeros((len(free), len(free)))

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from analysis.arrays import Floats
 from analysis.balls.flight import path
+from analysis.balls.flight.known import LEVEL_SIGMA
 
 Ints = NDArray[np.intp]
 LEAST_PLACES = 4
@@ -18,6 +19,8 @@ MOST_LEFT_OUT = 0.2
 """Of all places, that lie off the flights or next to a contact."""
 STEEP = math.pi / 4.0
 """Angle of a plate, from which on it is a wall."""
+SURE = 3.0
+"""Errors by which a plate that is not level leans at least."""
 LARGE_CHI2 = 400.0
 """Mean square of the residuals in errors that a codec and shading do not make."""
 
@@ -72,9 +75,10 @@ class Start:
         Shapes (B,), (B, 2), (B, 2), (B, 2): s, px, px/s, in (row, column).
     fall
         Free fall, px/s^2, where flights bend otherwise than the stated diameter says; else None.
-    lean
-        Angle of the plate against the horizontal, rad: 0, or a quarter turn of a wall, positive on
-        the left.
+    lean, lean_sigma
+        Angle of the plate against the horizontal and its standard error before the film is seen,
+        rad: 0, or a quarter turn of a wall, positive on the left; of a plate that is known to lean
+        positive where it lies lower on the right.
     """
 
     times_s: Floats
@@ -83,6 +87,12 @@ class Start:
     after: Floats
     fall: float | None = None
     lean: float = 0.0
+    lean_sigma: float = LEVEL_SIGMA
+
+    @property
+    def off_a_wall(self) -> bool:
+        """Return whether the plate is a wall, to which nothing falls back."""
+        return abs(self.lean) > STEEP
 
     def of(self, chosen: slice) -> Start:
         """Return some of the bounces."""
@@ -93,6 +103,7 @@ class Start:
             self.after[chosen],
             self.fall,
             self.lean,
+            self.lean_sigma,
         )
 
 
@@ -180,11 +191,27 @@ class Flights:
         return bool(abs(self.values[path.TILT]) > STEEP)
 
     @property
+    def lean(self) -> float:
+        """Return the angle of the plate against the horizontal, rad, as `Start` has it."""
+        return float(self.values[path.LEVEL].sum())
+
+    @property
+    def lean_sigma(self) -> float:
+        """Return the standard error of that angle, rad."""
+        return float(np.sqrt(self.whole_covariance[np.ix_(path.LEVEL, path.LEVEL)].sum()))
+
+    @property
+    def leans(self) -> bool:
+        """Return whether a plate is surely not level, whatever the camera's own roll."""
+        return not self.off_a_wall and abs(self.lean) > SURE * max(LEVEL_SIGMA, self.lean_sigma)
+
+    @property
     def next_contact_s(self) -> float:
         """Return when the last flight meets the plate again, s, but for the drag of the air."""
         if self.off_a_wall:
             return math.inf
-        lasts = 2.0 * self.contacts[-1, 3] / self.values[path.FALL]
+        along = math.cos(self.lean) * self.values[path.FALL]
+        lasts = 2.0 * self.contacts[-1, 3] / along
         stay = max(0.0, float(self.values[path.STAY]))
         return float(self.contacts[-1, 0] + stay + lasts)
 

@@ -36,8 +36,9 @@ DRIFT_SHARE = 0.02
 FRICTION_LEAVES = 3.0 / 5.0
 """Of the speed across of a hollow ball that begins to roll, without spin before; a solid one keeps
 5/7."""
-READOUT_SHARE = 0.5
-"""Of the time between frames: the middle of what rolling shutters take to read a frame."""
+READOUT_SHARE = 0.5, 0.3
+"""Of the time between frames: the middle and the spread of what rolling shutters take to read a
+frame."""
 STAY_S = 5e-4
 """Times of contact of balls of 20 mm and 1 m/s: from hard ones' 0.05 ms to soft ones' 2 ms."""
 SHORTENING, SHORTENING_SIGMA = 0.15, 0.1
@@ -61,6 +62,9 @@ class Ball:
         kg/m^3.
     gravity
         m/s^2.
+    plate_lean
+        Angle of the plate against the horizontal, rad, positive where it lies lower on the right;
+        None: not stated, and level unless several bounces show that it is not.
     """
 
     diameter_m: float
@@ -70,6 +74,7 @@ class Ball:
     drag_sigma: float = DRAG_SIGMA
     air_density: float = AIR_DENSITY
     gravity: float = 9.80665
+    plate_lean: float | None = None
 
     def __str__(self) -> str:
         """Return size, mass and surroundings in a person's units."""
@@ -93,6 +98,7 @@ class Ball:
             drag_sigma=around.drag_coefficient_sigma if drag else DRAG_SIGMA,
             air_density=around.air_density_kg_per_m3,
             gravity=around.gravity_m_per_s2,
+            plate_lean=plate_lean(setup),
         )
 
     def drag_per_m(self) -> tuple[float, float]:
@@ -103,6 +109,15 @@ class Ball:
         if self.density is None:
             spread = math.hypot(spread, UNKNOWN_SPREAD)
         return drag, spread
+
+
+def plate_lean(setup: Setup) -> float | None:
+    """Return the stated angle of a set-up's plate against the horizontal, as `Ball` has it.
+
+    Normals are from the sphere into the plate, with X downward and Y to the right.
+    """
+    normal = setup.spheres[1].normal
+    return None if normal is None else math.atan2(-normal[1], normal[0])
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,6 +143,8 @@ class View:
         picture's middle.
     compressed
         Whether a codec has been at the pictures.
+    readout_share
+        Middle and spread of the time that it takes to read a frame, of the time between frames.
     """
 
     height: int
@@ -139,6 +156,7 @@ class View:
     focal_px: tuple[float, float] | None = None
     principal_px: tuple[float, float] | None = None
     compressed: bool = False
+    readout_share: tuple[float, float] = READOUT_SHARE
 
     def principal(self) -> tuple[float, float]:
         """Return row and column of the principal point."""
@@ -175,8 +193,8 @@ class View:
         if self.readout == "global":
             return 0.0, 0.0
         lines = self.height if self.readout == "rows" else self.width
-        middle = READOUT_SHARE * self.period_s / lines
-        return middle, 0.6 * middle
+        middle, spread = self.readout_share
+        return middle * self.period_s / lines, spread * self.period_s / lines
 
     def receding_sigma(self, before: Floats, after: Floats, per_focal: float) -> float:
         """Return the standard error of a ball's speed away from the camera, camera distances a s.

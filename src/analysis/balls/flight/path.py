@@ -17,10 +17,11 @@ from analysis.compiled import compiled, part
 TIME, SPEED, PLACE, ACROSS, FALL, DRAG, ROW_TIME, PERSPECTIVE, ROLL = range(9)
 PLATE, TILT, STAY, DEPTH, BIAS, BARREL, MIDDLE_ROW, MIDDLE_COLUMN, SHORTENING = range(9, 18)
 ASLANT, HALF, OUTLINE = 18, 19, 20
-PRINCIPAL = [MIDDLE_ROW, MIDDLE_COLUMN]
+PRINCIPAL, LEVEL = [MIDDLE_ROW, MIDDLE_COLUMN], [TILT, ROLL]
 """First contact's time, approach speed, column from the middle and speed across before it; fall,
 px/s^2; drag, 1/px; time a row or column, s; perspective, 1/px; the vertical's angle in the picture;
-row of contact; angle of the plate, a quarter turn for a wall; duration of the first contact, s;
+row of contact; angle of the plate in the picture, a quarter turn for a wall, whose sum with the
+vertical's is its slope against the horizontal; duration of the first contact, s;
 speed away from the camera before it, in distances of the camera a second; shift of a smeared ball's
 centre along the rows by its speed, s; barrel distortion at half the picture's larger side; the
 principal point, about which it acts as perspective does; power of the approach speed by which
@@ -216,7 +217,8 @@ def places(
                 found[n, 0], found[n, 1] = state[0] + values[BIAS] * abs(state[2]), state[1]
                 found[n, 2] = depth + receding * (at - begun)
         state[:] = start
-        guess = 2.0 * away / max(forces[0], 1e-9)
+        pull = forces[0] * normal_down + forces[1] * normal_across
+        guess = 2.0 * contacts[k, 3] / max(pull, 1e-9)
         lasted = _meet(state, values[TILT], min(max(guess, SHORTEST_S), longest), forces)
         begun += lasted
         depth += receding * lasted

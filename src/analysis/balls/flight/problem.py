@@ -77,7 +77,7 @@ def _beside(start: Start) -> tuple[Floats, Floats]:
     that is thrown at a wall that is a part of all its speed, and what friction and spin may change
     is its speed along the wall.
     """
-    if not start.lean:
+    if not start.off_a_wall:
         return start.before, start.after
     before, after = (
         np.column_stack([np.hypot(*speeds.T), THROWN_SHARE * np.hypot(*speeds.T)])
@@ -91,8 +91,8 @@ class Problem:
 
     def __init__(self, observed: Observed, start: Start, known: Known) -> None:
         ball, view = known.ball, known.view
-        self.observed, self.view, self.ball = observed, view, ball
-        self.bounces, self.lean, beside = len(start.times_s), start.lean, _beside(start)
+        self.observed, self.view, self.ball, self.start = observed, view, ball, start
+        self.bounces, beside = len(start.times_s), _beside(start)
         self.scale, self.scale_sigma = known.scale()
         drag, drag_spread = ball.drag_per_m()
         row_time, row_sigma = view.row_time()
@@ -185,8 +185,8 @@ class Problem:
         if start.fall is not None:
             values[path.FALL] = math.log(start.fall)
         values[path.TIME] = start.times_s[0]
-        values[path.TILT] = self.lean
-        least = -np.inf if self.lean else 1e-3
+        values[path.TILT] = self.start.lean
+        least = -np.inf if self.start.lean else 1e-3
         values[path.SPEED] = max(least, start.before[0, 0])
         values[path.PLACE] = start.places[0, 1] - self.prior[path.MIDDLE_COLUMN]
         values[path.ACROSS] = start.before[0, 1]
@@ -197,7 +197,10 @@ class Problem:
         return values
 
     def _units(self) -> Floats:
-        speed = max(1.0, math.hypot(*self.begin[[path.SPEED, path.ACROSS]]) if self.lean else 0.0)
+        speed = max(
+            1.0,
+            math.hypot(*self.begin[[path.SPEED, path.ACROSS]]) if self.start.off_a_wall else 0.0,
+        )
         speed = max(speed, float(self.begin[path.SPEED]))
         units = np.where(np.isfinite(self.prior_sigma), self.prior_sigma, 1.0)
         units[path.TIME] = 1.0 / speed
@@ -222,14 +225,18 @@ class Problem:
 
     def near(self, found: Floats) -> NDArray[np.bool_]:
         """Return which places lie within a few radii of the plate."""
-        along = 1 if self.lean else 0
-        return np.asarray(np.abs(found[:, along] - self.plate[along]) < NEAR_RADII * self.radius_px)
+        return np.asarray(np.abs(self.heights(found)) < NEAR_RADII * self.radius_px)
+
+    def heights(self, found: Floats) -> Floats:
+        """Return how far places lie from the plate along its normal, px, shape (N,)."""
+        normal = np.array([-math.cos(self.start.lean), math.sin(self.start.lean)])
+        return np.asarray((found[:, :2] - self.plate) @ normal)
 
     def high(self, flights: Flights) -> NDArray[np.bool_]:
         """Return which places belong to flights that leave the shadow at the plate."""
-        if self.lean:
+        if self.start.off_a_wall:
             return np.ones(len(flights.arcs), dtype=bool)
-        heights = self.plate[0] - flights.observed.places[:, 0]
+        heights = self.heights(flights.observed.places)
         arcs = flights.arcs
         tops = [heights[arcs == k].max(initial=0.0) for k in range(flights.bounces + 1)]
         return np.asarray(np.array(tops)[arcs] > LOW_RADII * self.radius_px)
@@ -274,8 +281,8 @@ class Problem:
             clear &= (times < begin - near) | (times > begin + stay + near)
         # The last flight goes on to a bounce that is not fitted: nothing after it counts.
         last = np.flatnonzero(arcs == self.bounces)
-        if len(last) and not self.lean:
-            lasts = 2.0 * contacts[-1, 3] / math.exp(values[path.FALL])
+        if len(last) and not self.start.off_a_wall:
+            lasts = 2.0 * contacts[-1, 3] / math.exp(values[path.FALL]) / math.cos(self.start.lean)
             again = begins[-1] + stay + lasts
             clear &= times < again - near - LAST_MARGIN * self.view.period_s
         return arcs, clear

@@ -11,7 +11,6 @@ from scipy.optimize import least_squares
 from analysis.arrays import Floats
 from analysis.balls.flight import path
 from analysis.balls.flight.flights import Ints
-from analysis.balls.flight.known import LEVEL_SIGMA
 from analysis.balls.flight.problem import Problem
 
 Chosen = tuple[Ints, NDArray[np.bool_], Floats]
@@ -23,8 +22,6 @@ STEP = 1e-5
 """Of numbers in their units, by which derivatives are taken."""
 SOFT = 2.0
 """Residuals beyond so many standard errors count less while the fit settles."""
-LEVEL = np.array([path.TILT, path.ROLL])
-"""Their sum is the plate's slope against the horizontal: a camera that is rolled turns both."""
 
 
 def solve(
@@ -61,8 +58,10 @@ def solve(
     def residuals(step: Floats) -> Floats:
         moved = at(step)
         prior = (moved[known] - problem.prior[known]) / problem.prior_sigma[known]
-        lean = (moved[LEVEL].sum(keepdims=True) - problem.lean) / LEVEL_SIGMA
-        level = lean if loose[LEVEL].all() else prior[:0]
+        lean = (
+            moved[path.LEVEL].sum(keepdims=True) - problem.start.lean
+        ) / problem.start.lean_sigma
+        level = lean if loose[path.LEVEL].all() else prior[:0]
         apart = drifts @ moved - problem.drifts_target[: len(drifts)]
         beyond = problem.beyond(moved)[0]
         every = np.concatenate([own - seen(moved), prior, level, apart, beyond])
@@ -95,5 +94,5 @@ def _straight_slopes(
     each = np.zeros((int(known.sum()), len(loose)))
     each[:, known] = np.diag(problem.units[known] / problem.prior_sigma[known])
     level = np.zeros((1, len(loose)))
-    level[0, LEVEL] = problem.units[LEVEL] / LEVEL_SIGMA
-    return np.vstack([each, level] if loose[LEVEL].all() else [each])[:, loose]
+    level[0, path.LEVEL] = problem.units[path.LEVEL] / problem.start.lean_sigma
+    return np.vstack([each, level] if loose[path.LEVEL].all() else [each])[:, loose]

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from analysis.balls.document import Json, flight_impact, flights_document, with_others
-from analysis.balls.doubts import pushed_aside
+from analysis.balls.doubts import leaning, pushed_aside
 from analysis.balls.gaps import period_of
 from analysis.balls.remarks import CONTACT_FRAMES, do_not_count, wall_remark
 from analysis.balls.tracks.measuring import MeasuredTrack
@@ -81,6 +81,7 @@ def _remarks(measured: MeasuredTrack) -> Iterator[str]:
     near = CONTACT_FRAMES * period_of(measured.times_s)
     yield from do_not_count(flights, measured.numbers[flights.observed.frames], near)
     for each in (flights, *measured.beside):
+        yield from leaning(each)
         yield from pushed_aside(each)
     if flights.doubt:
         yield (

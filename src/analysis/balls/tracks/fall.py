@@ -12,7 +12,8 @@ from analysis.errors import ShotRefusedError
 
 LENGTHS = (6, 9, 13, 19, 27, 39, 57, 83, 121, 175)
 """Places of a piece through which a parabola is laid."""
-LEAST_PIECES = 3
+LEAST_PIECES, LEAST_SHARE = 3, 0.1
+"""That bend alike, and of all that scatter as little."""
 SCATTERED = 1.5
 """Scatter of a piece over that of the shortest ones: what scatters more goes over a bounce."""
 CLEAR = 5.0
@@ -81,8 +82,10 @@ def _along(times_s: Floats, values: Floats) -> tuple[float, float]:
         # A ball that is held or rests does not bend, however long it does.
         clear = np.abs(bends) > CLEAR * scatter * errors
         way = np.sign(np.sum(np.sign(bends[clear])))
+        smooth = len(bends)
         bends, errors = (each[clear & (np.sign(bends) == way)] for each in (bends, errors))
-        if len(bends) < LEAST_PIECES:
+        # A few over a bounce that turns a ball aside a little bend too.
+        if len(bends) < max(LEAST_PIECES, LEAST_SHARE * smooth):
             continue
         middle = float(np.median(bends))
         spread = 1.4826 * float(np.median(np.abs(bends - middle)))

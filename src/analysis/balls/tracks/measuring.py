@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from analysis.arrays import Floats
 from analysis.balls.flight.fit import fit_flights
-from analysis.balls.flight.flights import Flights, Ints, Observed, Start
+from analysis.balls.flight.flights import Flights, Ints, Observed
 from analysis.balls.flight.known import Ball, Known, View
 from analysis.balls.flight.lost import unsure_e
 from analysis.balls.hands import let_go
@@ -33,6 +33,9 @@ EXPOSED = 0.5
 """Of the time between frames, where no exposure is stated: a place is the middle of a smear."""
 LEAST_SIGMA_PX = 1e-4
 """Of places that follow one another without any scatter."""
+ANY_READOUT = 0.4, 0.4
+"""Middle and spread of the time in which a frame is read, of that between frames: of a telephone,
+or of a camera or a computation that has all of it at once."""
 MOST_FRAMES = 1_000_000
 TELLING = 20
 """Places of a thing that tell whether it falls."""
@@ -128,10 +131,13 @@ def measure_track(
         period,
         EXPOSED * period if exposure_s is None else exposure_s,
         readout="rows",
+        readout_share=ANY_READOUT,
     )
     told = None if table.metres is None else px / table.metres
     known = _known(ball, view, told if _believed(table.metres, by_fall) else None)
-    fitted = [_fitted(part, seen.times_s, known, down) for part in parts(linked[0], down)]
+    fitted = [
+        _fitted(part, seen.times_s, known, down) for part in parts(linked[0], down, ball.plate_lean)
+    ]
     found = [flights for flights in fitted if flights is not None]
     if not found:
         raise ShotRefusedError("flight", _no_bounce(linked))
@@ -261,9 +267,7 @@ def _sightings(clock: _Clock, places: Floats, falling: NDArray[np.bool_]) -> Sig
 
 def _fitted(part: Part, times: Floats, known: Known, fall: Floats) -> Flights | None:
     """Return the flights about the bounces off one surface; None: too few places beside them."""
-    chain = part.chain
-    start = Start(chain.times_s, chain.places, *chain.speeds(fall), lean=part.lean)
-    return fit_flights(_observed(chain, times), start, known)
+    return fit_flights(_observed(part.chain, times), part.start(fall), known)
 
 
 def _observed(chain: Chain, times: Floats) -> Observed:
