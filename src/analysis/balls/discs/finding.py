@@ -23,7 +23,8 @@ from analysis.balls.discs.disc import (
     touch,
     within,
 )
-from analysis.balls.discs.genuine import is_round, is_seen, sharpness
+from analysis.balls.discs.evidence import log_odds
+from analysis.balls.discs.genuine import is_round, sharpness
 from analysis.balls.discs.gradient import (
     RADIUS_STEP,
     SIGMA_PX,
@@ -62,6 +63,9 @@ SHARP, SHARPER, MOST_SHARPER = 1.3, 50.0, 0.02
 it, and how far above it counts."""
 SOFTER = 0.07
 """By how much less sharp than theirs the rim of a disc like others may be."""
+LEAST_ODDS, LEAST_ALIKE, LEAST_DOUBTFUL = -0.1, -2.0, -1.5
+"""Least logarithm of the odds that a disc is a ball's, by all that is seen of it; of a disc that is
+like others; and where doubtful discs are asked for."""
 LEAST_CLEAR = 0.6
 """Share of a rim that is clear of surer discs' rims that counts as a whole one."""
 BLOTCH = 0.4
@@ -176,14 +180,16 @@ def _with_rims(values: Singles, accepted: list[Disc], sought: _Sought) -> list[D
     refined = [at_rim(values, disc, sought.sigma_px) for disc in _rims(whole)]
     if not sought.blotched:
         return refined
-    refined = [disc for disc in refined if _is_rim(values, disc, sought.sigma_px)]
+    refined = [disc for disc in refined if _is_ball(values, disc, refined, sought)]
     return refined + _alike(values, sought, refined)
 
 
-def _is_rim(values: Singles, disc: Disc, sigma_px: float) -> bool:
-    place = _place(disc)
-    seen = is_seen(values, place, sigma_px, disc.log_alarms)
-    return seen and is_round(values, place, sigma_px)
+def _is_ball(
+    values: Singles, disc: Disc, others: list[Disc], sought: _Sought, least: float = LEAST_ODDS
+) -> bool:
+    least = min(least, LEAST_DOUBTFUL) if sought.least > SURE else least
+    likely = log_odds(values, disc, sought.sigma_px, others) >= least
+    return likely and is_round(values, _place(disc), sought.sigma_px)
 
 
 def _alike(values: Singles, sought: _Sought, found: list[Disc]) -> list[Disc]:
@@ -214,7 +220,9 @@ def _alike(values: Singles, sought: _Sought, found: list[Disc]) -> list[Disc]:
             if _sharpness(values, disc, sought) < crisp - SOFTER:
                 continue
             best = at_rim(values, disc, sought.sigma_px)
-            if same_rim(best, disc) and is_round(values, _place(best), sought.sigma_px):
+            if same_rim(best, disc) and _is_ball(
+                values, best, [*found, *more], sought, LEAST_ALIKE
+            ):
                 more.append(best)
     return more
 

@@ -137,7 +137,12 @@ def gradient(picture: Singles, sigma_px: float = SIGMA_PX) -> Gradient:
     picture
         Shape (rows, columns, channels), any unit.
     """
-    field = gradient_field(picture, sigma_px)
+    return gradient_of(*derivatives(picture, sigma_px))
+
+
+def gradient_of(down: Singles, right: Singles) -> Gradient:
+    """Return the gradient of a picture from its `derivatives`."""
+    field = np.asarray(_tensor(down, right))
     threshold = edge_threshold(field[0])
     return Gradient(field, _ridges(field, threshold), threshold)
 

@@ -4,6 +4,7 @@ import cv2
 import drawings
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from analysis.balls.discs.finding import find_balls
 
@@ -215,3 +216,28 @@ def test_rounded_squares_and_polygons_beside_a_disc_of_their_size_are_no_discs(
     blurred = np.asarray(cv2.GaussianBlur(picture, (0, 0), 0.7))
     (disc,) = find_balls(drawings.grey(blurred, noise=2.0), (8.0, 60.0))
     assert (disc.row, disc.column, disc.radius) == pytest.approx((40.3, 45.8, 19.0), abs=0.3)
+
+
+def outlines(seed: int, radius: float, wave: float) -> NDArray[np.uint8]:
+    """Return a heap of figures whose outlines go two and three times off a circle and back."""
+    rng = np.random.default_rng(seed)
+    fine, turn = 4, np.linspace(0.0, 2.0 * np.pi, 400)
+    shown = np.full((240 * fine, 320 * fine), 90.0, np.float32)
+    for _ in range(60):
+        middle, starts = rng.uniform((0, 0), (240, 320)), rng.uniform(0.0, 2.0 * np.pi, 2)
+        away = rng.uniform(0.6, 1.4) * radius
+        away = away * (
+            1 + wave * sum(np.cos(n * turn + a) for n, a in zip((2, 3), starts, strict=True))
+        )
+        line = np.stack([middle[1] + away * np.cos(turn), middle[0] + away * np.sin(turn)], axis=1)
+        cv2.fillPoly(shown, [np.rint(fine * line).astype(np.int32)], float(rng.uniform(40, 200)))
+    small = cv2.GaussianBlur(
+        cv2.resize(shown, (320, 240), interpolation=cv2.INTER_AREA), (0, 0), 0.9
+    )
+    return np.clip(small + 2.0 * rng.standard_normal(small.shape), 0, 255).astype(np.uint8)
+
+
+def test_of_outlines_that_leave_a_circle_by_a_tenth_of_its_radius_few_are_discs() -> None:
+    found = [len(find_balls(outlines(seed, 28.0, 0.1), (6.0, 80.0))) for seed in range(5)]
+    # By a limit on each thing that is seen, 50 of the 300 were.
+    assert sum(found) <= 40

@@ -1,0 +1,327 @@
+"""How likely a circle is a ball's rim, from all that the picture shows along it and beside it.
+
+Gradients that point to a centre are no rim yet: those of a soft blotch do everywhere in it, a
+cluttered ground has some at each circle's side, and heads, fingertips and elbows have a long round
+piece of outline. What tells them from balls is told by no single limit without losing balls: the
+terms here are weighed together, as logarithms of odds.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.arrays import Floats, Singles
+from analysis.balls.discs.disc import Disc
+from analysis.balls.discs.gradient import (
+    Gradient,
+    derivatives,
+    gradient,
+    gradient_of,
+    window_about,
+)
+from analysis.balls.discs.judging import SECTORS, sectors
+from analysis.balls.discs.waves import least_sum
+from analysis.compiled import compiled, part
+
+RADIUS_PX, NARROW_PX = 40.0, 60.0
+"""Larger circles are looked at in a smaller picture, where they have this radius: in a window where
+circles beside it lie, and in a narrow one."""
+BEYOND, NARROW = 1.3, 0.35
+"""How far these windows go beyond the circle, in radii. In the narrow one an edge is stronger than
+what is next to the circle."""
+BESIDE, BESIDE_TURNS = (0.4, 0.8), 8
+"""How far beside it others lie, in radii, and in how many directions."""
+CLOSE_PX = 0.6
+CLOSELY, NEARLY = (0.02, math.cos(math.radians(12.0))), (0.03, math.cos(math.radians(15.0)))
+"""Distance from a circle in radii, at least `CLOSE_PX`, and cosine of the angle with its radius, of
+edges on it."""
+LEAST_SHOWN = 0.5
+"""Share of a circle that is in the window, at least."""
+BORDER_PX = 2.0
+"""Next to the picture's border no edge is found."""
+
+RING_PX, RING = (1.5, 3.5), (0.06, 0.18)
+"""Where inside and outside of a rim are looked at: from and to, off the circle, in pixels at least
+and in radii."""
+DEPTHS, LEAST_DEPTH = 4, 0.4
+"""At how many distances, and not nearer to the centre than this, in radii."""
+REACH_PX, REACH, STEP_PX = 3.0, 0.2, 0.25
+"""How far off the circle its strongest change is looked for, in pixels at least and in radii, and
+in which steps."""
+STEEP, ALONG = 0.9, 0.8
+"""Share of a change that is along the radius where it tells how round a rim is, and where it is
+part of one."""
+LOOSELY_PX, LOOSELY = 1.0, 0.06
+"""How far off the circle, in pixels at least and in radii, a change is part of the rim."""
+LEAST_EDGES = 20
+OF_STEP = 0.3
+"""Share of the median step that agrees with it."""
+INSIDE, LEAST_CLEAR = 1.02, 0.3
+"""Within so many radii of a surer disc a sector is hidden; if fewer than this share are clear, all
+count."""
+SURE = -15.0
+"""log10 of false alarms of a disc that hides others."""
+CONCENTRIC = 0.3
+"""Two circles whose centres are nearer than this share of the larger radius hide nothing of each
+other."""
+
+
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """What the picture shows of a circle.
+
+    Attributes
+    ----------
+    alarms
+        Natural logarithm of minus log10 of the number of false alarms.
+    close, narrow
+        Share of its sectors with an edge that lies closely on it, in both windows.
+    clutter
+        The same, less closely, of the median circle of its size beside it.
+    rim
+        Share of clear sectors with a change along the radius near it.
+    ragged
+        Logarithm of the median distance of its strongest changes from a circle, in radii.
+    uneven
+        Logarithm of the median difference of its inside along the rim, in steps at the rim.
+    agree
+        Share of sectors whose step is as the median one.
+    """
+
+    alarms: float
+    close: float
+    narrow: float
+    clutter: float
+    rim: float
+    ragged: float
+    uneven: float
+    agree: float
+
+    def log_odds(self) -> float:
+        """Return the logarithm of the odds that this is a ball, of circles found in photographs."""
+        if self.narrow < LEAST_NARROW:
+            return -math.inf
+        return CONSTANT + sum(
+            weight * float(getattr(self, name)) for name, weight in WEIGHTS.items()
+        )
+
+
+LEAST_NARROW = 0.15
+"""Without edges there is no rim, however many gradients point to a centre."""
+CONSTANT = -9.7
+WEIGHTS = {
+    "alarms": 0.85,
+    "close": 2.25,
+    "narrow": 2.5,
+    "clutter": -15.0,
+    "rim": 1.2,
+    "ragged": -0.8,
+    "uneven": 0.25,
+    "agree": 3.85,
+}
+"""Of a logistic regression on 355 circles with fewer than 10^-4 false alarms, labelled by hand, of
+one half of 93 photographs and of 36 drawn pictures: decision 0080."""
+
+
+def log_odds(values: Singles, disc: Disc, sigma_px: float, others: list[Disc]) -> float:
+    """Return the logarithm of the odds that a disc is a ball, by `evidence`."""
+    seen = evidence(values, disc, sigma_px, others)
+    return -math.inf if seen is None else seen.log_odds()
+
+
+def evidence(values: Singles, disc: Disc, sigma_px: float, others: list[Disc]) -> Evidence | None:
+    """Return what a picture shows of a disc; None where less than a third of it is in the picture.
+
+    Parameters
+    ----------
+    values
+        Shape (rows, columns, channels).
+    others
+        Discs of the picture, which may hide a part of this one.
+    """
+    window, corner, factor = _window(values, disc, BEYOND, RADIUS_PX)
+    circle = _inward(disc, corner, factor)
+    down, right = derivatives(window, sigma_px)
+    found = gradient_of(down, right)
+    inside, outside, changes, shown = _rim(window, down, right, circle)
+    if shown.sum() < LEAST_EDGES:
+        return None
+    steps = inside - outside
+    size_of = np.linalg.norm(steps, axis=1)
+    usual = float(np.median(size_of[shown])) + 1e-9
+    step = np.median(steps[shown], axis=0)
+    own = np.median(inside[shown], axis=0)
+    off, along, steep = changes
+    edge = shown & (steep > found.threshold)
+    on_rim = edge & (along > ALONG) & (np.abs(off) < max(LOOSELY_PX, LOOSELY * circle[2]))
+    clear = shown & _clear(disc, circle, others, corner, factor)
+    if clear.sum() < LEAST_CLEAR * shown.sum():
+        clear = shown
+    return Evidence(
+        alarms=math.log(max(1.0, -disc.log_alarms)),
+        close=_share(found, circle, CLOSELY),
+        narrow=_narrow(values, disc, sigma_px),
+        clutter=float(np.median([_share(found, each, NEARLY) for each in _beside(circle)])),
+        rim=float(on_rim[clear].mean()),
+        ragged=math.log(max(0.01, _ragged(off, edge & (along > STEEP), circle[2]))),
+        uneven=math.log(
+            0.05 + float(np.median(np.linalg.norm(inside[shown] - own, axis=1))) / usual
+        ),
+        agree=float((steps[shown] @ step > OF_STEP * (step @ step)).mean()),
+    )
+
+
+def _window(
+    values: Singles, disc: Disc, beyond: float, radius_px: float
+) -> tuple[Singles, Floats, float]:
+    """Return the picture about a disc, its corner, and by which factor it is made smaller."""
+    place = np.array([disc.row, disc.column, disc.radius])
+    window, corner = window_about(values, place, beyond)
+    factor = max(1.0, disc.radius / radius_px)
+    if factor > 1.0:
+        size = tuple(max(8, round(side / factor)) for side in window.shape[1::-1])
+        window = np.atleast_3d(cv2.resize(window, size, interpolation=cv2.INTER_AREA))
+    return window, corner, factor
+
+
+def _narrow(values: Singles, disc: Disc, sigma_px: float) -> float:
+    window, corner, factor = _window(values, disc, NARROW, NARROW_PX)
+    return _share(gradient(window, sigma_px), _inward(disc, corner, factor), CLOSELY)
+
+
+def _inward(disc: Disc, corner: Floats, factor: float) -> Floats:
+    row, column = (
+        (v + 0.5) / factor - 0.5 for v in (disc.row - corner[0], disc.column - corner[1])
+    )
+    return np.array([row, column, disc.radius / factor])
+
+
+def _turns() -> Floats:
+    """Return directions (row, column) of the middles of a circle's sectors, shape (2, SECTORS)."""
+    turns = 2.0 * np.pi * np.arange(SECTORS) / SECTORS
+    return np.stack([np.sin(turns), np.cos(turns)])
+
+
+def _clear(
+    disc: Disc, circle: Floats, others: list[Disc], corner: Floats, factor: float
+) -> NDArray[np.bool_]:
+    """Return which sectors are outside surer discs, at both sides of the rim."""
+    clear = np.ones(SECTORS, bool)
+    off = np.maximum(RING_PX, np.array(RING) * circle[2])
+    for other in others:
+        apart = math.hypot(other.row - disc.row, other.column - disc.column)
+        if other.log_alarms > SURE or apart < CONCENTRIC * max(other.radius, disc.radius):
+            continue
+        middle = _inward(other, corner, factor)
+        for away in (circle[2] - off[0], circle[2] + off[1]):
+            at = circle[:2, None] + away * _turns() - middle[:2, None]
+            clear &= np.hypot(*at) > INSIDE * middle[2]
+    return clear
+
+
+def _beside(circle: Floats) -> list[Floats]:
+    turns = 2.0 * np.pi * np.arange(BESIDE_TURNS) / BESIDE_TURNS
+    ways = np.stack([np.sin(turns), np.cos(turns), np.zeros_like(turns)], axis=1)
+    return [circle + off * circle[2] * way for off in BESIDE for way in ways]
+
+
+def _share(found: Gradient, circle: Floats, near: tuple[float, float]) -> float:
+    """Return the share of a circle's sectors in the picture that have an edge near the circle."""
+    turns = 2.0 * np.pi * (np.arange(SECTORS) + 0.5) / SECTORS
+    places = circle[:2, None] + circle[2] * np.stack([np.sin(turns), np.cos(turns)])
+    room = np.array(found.field.shape[1:])[:, None] - BORDER_PX
+    shown = float(((places > BORDER_PX) & (places < room)).all(axis=0).mean())
+    if shown < LEAST_SHOWN:
+        return 0.0
+    limits = np.array([max(CLOSE_PX, near[0] * circle[2]), near[1]])
+    every = np.ones(len(found.edges), np.float32)
+    return sectors(found.edges, every, np.ascontiguousarray(circle), limits) / shown
+
+
+def _ragged(off: Floats, edge: NDArray[np.bool_], radius: float) -> float:
+    """Return the median distance of a rim's changes from the circle through them, in radii."""
+    if edge.sum() <= LEAST_EDGES:
+        return REACH
+    down, right = _turns()[:, edge]
+    terms = [down, right, np.ones_like(down)]
+    found, _ = least_sum(terms, off[edge])
+    return float(np.median(np.abs(off[edge] - np.column_stack(terms) @ found))) / radius
+
+
+@compiled
+def _rim(
+    window: NDArray[np.float32],
+    down: NDArray[np.float32],
+    right: NDArray[np.float32],
+    circle: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
+    """Return what each sector of a circle shows along its radius.
+
+    Returns
+    -------
+    Colours inside and outside of the rim, shape (SECTORS, channels) each; how far off the circle
+    the strongest change lies, its share along the radius and its size, shape (3, SECTORS); and
+    whether all of this is in the window, shape (SECTORS,).
+    """
+    channels = window.shape[2]
+    inside, outside = np.zeros((SECTORS, channels)), np.zeros((SECTORS, channels))
+    changes = np.zeros((3, SECTORS))
+    shown = np.ones(SECTORS, np.bool_)
+    radius = circle[2]
+    near, far = max(RING_PX[0], RING[0] * radius), max(RING_PX[1], RING[1] * radius)
+    deep = max(radius - far, LEAST_DEPTH * radius)
+    reach = max(REACH_PX, REACH * radius)
+    for k in range(SECTORS):
+        u, v = math.sin(2.0 * math.pi * k / SECTORS), math.cos(2.0 * math.pi * k / SECTORS)
+        for m in range(DEPTHS):
+            share = m / (DEPTHS - 1)
+            for side in range(2):
+                away = radius + near + share * (far - near)
+                if side == 0:
+                    away = deep + share * (radius - near - deep)
+                row, column = circle[0] + away * u, circle[1] + away * v
+                if not _within(window, row, column):
+                    shown[k] = False
+                    continue
+                for c in range(channels):
+                    value = _between(window, row, column, c) / DEPTHS
+                    if side == 0:
+                        inside[k, c] += value
+                    else:
+                        outside[k, c] += value
+        for m in range(int(2.0 * reach / STEP_PX) + 1):
+            off = m * STEP_PX - reach
+            row, column = circle[0] + (radius + off) * u, circle[1] + (radius + off) * v
+            if not _within(window, row, column):
+                continue
+            steep = across = 0.0
+            for c in range(channels):
+                p, q = _between(down, row, column, c), _between(right, row, column, c)
+                steep += (u * p + v * q) ** 2
+                across += (v * p - u * q) ** 2
+            if steep > changes[2, k] ** 2:
+                changes[0, k] = off
+                changes[1, k] = math.sqrt(steep / (steep + across))
+                changes[2, k] = math.sqrt(steep)
+    return inside, outside, changes, shown
+
+
+@part
+def _within(values: NDArray[np.float32], row: float, column: float) -> bool:
+    rows, columns, _ = values.shape
+    return row >= 0.0 and column >= 0.0 and row <= rows - 1.001 and column <= columns - 1.001
+
+
+@part
+def _between(values: NDArray[np.float32], row: float, column: float, channel: int) -> float:
+    """Return a value between pixels."""
+    i, j = int(row), int(column)
+    p, q = row - i, column - j
+    above = (1.0 - q) * values[i, j, channel] + q * values[i, j + 1, channel]
+    below = (1.0 - q) * values[i + 1, j, channel] + q * values[i + 1, j + 1, channel]
+    return float((1.0 - p) * above + p * below)
