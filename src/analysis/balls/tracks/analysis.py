@@ -19,6 +19,10 @@ from analysis.errors import ShotRefusedError
 
 PICTURE = 480, 640
 """Rows and columns that a campaign without any picture has."""
+NO_CAMERA = (
+    "a frame rate or an exposure is stated, and does not count: bounces that were heard have times "
+    "of their own"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +65,10 @@ def analyse_table(job: FilmJob) -> AnalysedTable:
     if is_table_of_bounces(job.path):
         if cut is not None:
             raise ShotRefusedError("frames", "bounces that were heard have no frames for --frames")
-        return AnalysedTable(bounce_document(read_bounce_times(job.path), job.ball), 0, PICTURE)
+        document = bounce_document(read_bounce_times(job.path), job.ball)
+        if job.rate_hz is not None or job.exposure_s is not None:
+            document["notes"].append(NO_CAMERA)
+        return AnalysedTable(document, 0, PICTURE)
     table = read_track_table(job.path)
     if cut is not None:
         table = _part(table, cut.first, cut.last)

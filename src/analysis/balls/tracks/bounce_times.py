@@ -17,28 +17,44 @@ from scipy.optimize import brentq
 from analysis.arrays import Floats
 from analysis.balls.document import Json, unseen
 from analysis.balls.flight.known import STAY_S, Ball
-from analysis.balls.tracks.table import BOUNCE, NONE, read_lines, split
+from analysis.balls.tracks.cells import NONE, read_lines, split
+from analysis.balls.tracks.columns import BOUNCE, SECONDS
 from analysis.errors import InputError, ShotRefusedError, counted
 from analysis.quantity import Quantity
 
 HEARD_S = 1e-3
 """Standard error of the time at which a bounce is heard: the loudest sample, not the first."""
-MILLI = 1e-3
-LEAST_BOUNCES, LONGEST_S = 3, 6.0
-"""One after another that tell an e, and the longest time between two: of a fall from 40 m."""
+LEAST_BOUNCES, LONGEST_S, MOST_BOUNCES = 3, 6.0, 1000
+"""One after another that tell an e, and the longest time between two: of a fall from 40 m. And by
+how much their numbers may differ."""
 FASTEST_M_PER_S = 1e3
 STEP = 1e-4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BounceTimes:
-    """When each bounce was heard, s, increasing; shape (N,). Nan: it was not."""
+    """When each bounce was heard.
+
+    Attributes
+    ----------
+    times_s
+        Increasing; shape (N,). Nan: it was not heard.
+    first
+        The table's number of the first of them.
+    notes
+        How the table was read.
+    """
 
     times_s: Floats
+    first: int = 0
+    notes: tuple[str, ...] = ()
 
 
 def read_bounce_times(path: Path) -> BounceTimes:
-    """Read the columns `Bounce 0 (s)`, `Bounce 1 (s)` and so on; one that is 0 was not heard.
+    """Read the columns `Bounce 0 (s)`, `Bounce 1 (s)` and so on.
+
+    One whose number is missing, or that is empty or 0, was not heard. A first one at exactly 0,
+    soon before the second, is where the clock was started.
 
     Raises
     ------
@@ -49,7 +65,7 @@ def read_bounce_times(path: Path) -> BounceTimes:
     for separator in "\t;,":
         rows = split(lines, separator)
         columns = {
-            int(name[1]): (index, MILLI if (name[2] or "").lower() == "ms" else 1.0)
+            int(name[1]): (index, (name[2] or "s").lower())
             for index, cell in enumerate(rows[0] if rows else [])
             if (name := BOUNCE.fullmatch(cell.strip())) is not None
         }
@@ -59,21 +75,34 @@ def read_bounce_times(path: Path) -> BounceTimes:
         raise InputError(path, "has no columns Bounce 0 (s), Bounce 1 (s) and so on")
     if len(rows) != 2:
         raise InputError(path, f"has {len(rows) - 1} rows of bounces; one is read")
-    times = np.array([_heard(path, rows[1], *columns[k]) for k in sorted(columns)])
-    times[~(times > 0.0)] = math.nan
+    first, last = min(columns), max(columns)
+    if last - first >= MOST_BOUNCES:
+        raise InputError(path, f"counts its bounces from {first} to {last}; {MOST_BOUNCES} at most")
+    times = np.full(last - first + 1, math.nan)
+    for number, column in columns.items():
+        times[number - first] = _heard(path, rows[1], *column)
+    started = times[0] == 0.0 and len(times) > 1 and bool(0.0 < times[1] < LONGEST_S)
+    times[1:][~(times[1:] > 0.0)] = math.nan
+    times[0] = times[0] if started or times[0] > 0.0 else math.nan
     if not np.all(np.diff(times[np.isfinite(times)]) > 0):
         raise InputError(path, "has bounces that are not one after another")
-    last = np.flatnonzero(np.isfinite(times)).max(initial=-1)
-    return BounceTimes(times[: last + 1])
+    known = np.flatnonzero(np.isfinite(times)).max(initial=-1)
+    said = (
+        f"bounce {first} is at exactly 0 s, and taken for the clock's start; leave its cell empty "
+        "if it was not heard"
+    )
+    return BounceTimes(times[: known + 1], first, (said,) if started else ())
 
 
-def _heard(path: Path, row: Sequence[str], index: int, unit: float) -> float:
+def _heard(path: Path, row: Sequence[str], index: int, unit: str) -> float:
     """Return one time, s; nan where the cell is empty."""
+    if unit not in SECONDS:
+        raise InputError(path, f"has times in “{unit}”, which is none of {', '.join(SECONDS)}")
     cell = row[index].strip() if index < len(row) else ""
     if cell.lower() in NONE:
         return math.nan
     try:
-        return unit * float(cell)
+        return SECONDS[unit] * float(cell)
     except ValueError as error:
         raise InputError(path, f"has “{cell}” in line 2, which is no number") from error
 
@@ -100,17 +129,19 @@ def bounce_document(bounces: BounceTimes, ball: Ball) -> Json:
     lasts = np.diff(times)
     if np.nanmax(lasts) > LONGEST_S:
         k = int(np.nanargmax(lasts))
+        own = bounces.first + k
         raise ShotRefusedError(
             "frames",
-            f"{lasts[k]:.3g} s between bounces {k} and {k + 1}; no ball flies for more than "
+            f"{lasts[k]:.3g} s between bounces {own} and {own + 1}; no ball flies for more than "
             f"{LONGEST_S:g} s: check the unit of the times, and that no bounce between was missed",
         )
     drag, drag_spread = ball.drag_per_m()
+    drag_sigma = _of_a_factor(drag_spread)
     stay = STAY_S * ball.diameter_m / 0.02
     impacts = []
     for k in (np.flatnonzero(between) + 1).tolist():
         known = np.array([*times[k - 1 : k + 2], math.log(drag), 0.0])
-        sigmas = np.array([HEARD_S, HEARD_S, HEARD_S, drag_spread, stay])
+        sigmas = np.array([HEARD_S, HEARD_S, HEARD_S, drag_sigma, stay])
         found = _speeds(known, ball.gravity)
         slopes = np.stack(
             [
@@ -120,23 +151,33 @@ def bounce_document(bounces: BounceTimes, ball: Ball) -> Json:
             ],
             axis=-1,
         )
-        impacts.append(_impact(k, float(times[k]), found, slopes))
+        impacts.append(_impact(bounces.first + k, float(times[k]), found, slopes))
     return {
         "status": "measured",
         **(impacts[0] if len(impacts) == 1 else {}),
         "impacts": impacts,
-        "drag_per_m": Quantity(drag, drag * drag_spread, "1/m").to_json(),
-        "notes": list(_remarks(times, impacts, ball)),
+        "drag_per_m": Quantity(drag, drag * drag_sigma, "1/m").to_json(),
+        "notes": [*bounces.notes, *_remarks(bounces, impacts, ball)],
     }
 
 
-def _remarks(times: Floats, impacts: Sequence[Json], ball: Ball) -> Iterator[str]:
+def _of_a_factor(spread: float) -> float:
+    """Return the root mean square by which a number is off whose logarithm is known so well.
+
+    A ball of unknown mass may be far lighter, and slowed far more, than the logarithm's own
+    spread says: its factor has a longer side.
+    """
+    return math.sqrt(math.exp(2.0 * spread**2) - 2.0 * math.exp(0.5 * spread**2) + 1.0)
+
+
+def _remarks(bounces: BounceTimes, impacts: Sequence[Json], ball: Ball) -> Iterator[str]:
+    first, last = bounces.first, bounces.first + len(bounces.times_s) - 1
     own = ", ".join(str(impact["bounce"]) for impact in impacts)
     yield (
-        f"e is that of bounce{'s' * (len(impacts) > 1)} {own} of 0 to {len(times) - 1}: the first "
-        "has no flight before it whose ends are heard, the last none after it"
+        f"e is that of bounce{'s' * (len(impacts) > 1)} {own} of {first} to {last}: the "
+        "first has no flight before it whose ends are heard, the last none after it"
     )
-    if missed := [str(k) for k in np.flatnonzero(~np.isfinite(times))]:
+    if missed := [str(first + k) for k in np.flatnonzero(~np.isfinite(bounces.times_s))]:
         yield f"not heard: {', '.join(missed)}; bounces beside it have no e"
     yield f"a bounce is taken to be heard within {1e3 * HEARD_S:g} ms"
     for impact in impacts:

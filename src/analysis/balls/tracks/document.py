@@ -70,11 +70,12 @@ def _remarks(measured: MeasuredTrack) -> Iterator[str]:
         )
     beside, apart = measured.others
     if beside:
-        yield f"{counted(beside, 'other thing')} in the table fly and bounce too; left out"
+        fly = "flies and bounces" if beside == 1 else "fly and bounce"
+        yield f"{counted(beside, 'other thing')} in the table {fly} too; left out"
     if apart:
         yield (
-            f"{counted(apart, 'flight')} of the table meet none of the flights about these "
-            "bounces; left out: places are missing there, or it is another ball's"
+            f"{counted(apart, 'flight')} of the table meet{'s' * (apart == 1)} none of the flights "
+            "about these bounces; left out: places are missing there, or another ball flies"
         )
     walls = wall_remark([flights, *measured.beside])
     yield from [] if walls is None else [walls]
@@ -86,5 +87,5 @@ def _remarks(measured: MeasuredTrack) -> Iterator[str]:
     if flights.doubt:
         yield (
             f"{int((~flights.used).sum())} of {len(flights.used)} places lie off free flights; "
-            f"the error of e holds as much ({flights.doubt:.2f})"
+            f"the error of e holds as much ({flights.doubt:.2g})"
         )

@@ -14,12 +14,13 @@ from numpy.typing import NDArray
 
 from analysis.arrays import Floats
 from analysis.balls.flight.fit import fit_flights
-from analysis.balls.flight.flights import Flights, Ints, Observed
+from analysis.balls.flight.flights import Flights, Observed
 from analysis.balls.flight.known import Ball, Known, View
 from analysis.balls.flight.lost import unsure_e
 from analysis.balls.hands import let_go
 from analysis.balls.seen.arcs import Chain, Sightings, chains, find_arcs, joined
 from analysis.balls.surfaces import Part, parts
+from analysis.balls.tracks.clock import Clock, clock_of
 from analysis.balls.tracks.fall import TableFall, table_fall
 from analysis.balls.tracks.table import TrackTable
 from analysis.errors import ShotRefusedError, counted
@@ -36,13 +37,12 @@ LEAST_SIGMA_PX = 1e-4
 ANY_READOUT = 0.4, 0.4
 """Middle and spread of the time in which a frame is read, of that between frames: of a telephone,
 or of a camera or a computation that has all of it at once."""
-MOST_FRAMES = 1_000_000
 TELLING = 20
 """Places of a thing that tell whether it falls."""
 LEAST_ALIKE = 0.6
 """Of a fall, and of a scale: what two of one ball have in common at least."""
-UNEVEN = 0.1
-"""Of the time between frames, by which times lie off one rate: then they are numbered in order."""
+LEAST_RATE_HZ = 15.0
+"""Of most bounces that fill a picture: a ball is in the air for a third of a second between."""
 MARGIN_RADII = 2.0
 """About all places, of the picture that they are in."""
 
@@ -115,7 +115,23 @@ def measure_track(
     ShotRefusedError
         No times, nothing that falls, or no bounce with four places on both sides.
     """
-    clock = _clock(table, rate_hz)
+    clock = clock_of(table, rate_hz)
+    try:
+        return _measured(table, clock, ball, exposure_s)
+    except ShotRefusedError as refusal:
+        rate = 1.0 / clock.period_s
+        if refusal.step != "flight" or rate >= LEAST_RATE_HZ:
+            raise
+        raise ShotRefusedError(
+            refusal.step,
+            f"{refusal.reason}; {rate:.3g} frames/s are few: four places are needed between two "
+            f"bounces, which takes some {LEAST_RATE_HZ:g} frames/s; check the times and their unit",
+        ) from refusal
+
+
+def _measured(
+    table: TrackTable, clock: Clock, ball: Ball, exposure_s: float | None
+) -> MeasuredTrack:
     fall, falling = _fall(table, clock)
     by_fall = abs(fall.size) / ball.gravity
     px = 2.0 * RADIUS_PX / ball.diameter_m / by_fall
@@ -125,11 +141,10 @@ def measure_track(
     linked = chains(arcs, RADIUS_PX, down)
     if not linked or not len(linked[0].times_s):
         raise ShotRefusedError("flight", _no_bounce(linked))
-    period = float(np.median(np.diff(seen.times_s)))
     view = View(
         *seen.shape,
-        period,
-        EXPOSED * period if exposure_s is None else exposure_s,
+        clock.period_s,
+        EXPOSED * clock.period_s if exposure_s is None else exposure_s,
         readout="rows",
         readout_share=ANY_READOUT,
     )
@@ -154,52 +169,11 @@ def measure_track(
         size=seen.shape,
         unsure_e=np.zeros(flights.bounces) if flights.off_a_wall else unsure_e(flights),
         beside=tuple(beside),
-        notes=table.notes,
+        notes=(*table.notes, *clock.notes),
     )
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Clock:
-    """Frames in which something is seen: the table's numbers, times, and which each place is in."""
-
-    numbers: Floats
-    times_s: Floats
-    index: Ints
-
-
-def _clock(table: TrackTable, rate_hz: float | None) -> _Clock:
-    """Return the frames of a table. Those in which nothing is seen are none, and need no place."""
-    frames, times = table.frames, table.times_s
-    if np.abs(frames - np.round(frames)).max() > 0.0:
-        raise ShotRefusedError("frames", "frames of the table are no whole numbers")
-    if times is not None and not table.numbered:
-        frames = _numbered(times)
-    numbers, first, index = np.unique(frames, return_index=True, return_inverse=True)
-    if len(numbers) > MOST_FRAMES:
-        raise ShotRefusedError("frames", f"{len(numbers)} frames; {MOST_FRAMES} are read at most")
-    if rate_hz is not None:
-        return _Clock(numbers, numbers / rate_hz, index)
-    if times is None or not table.states_times:
-        said = "no times" if times is None else "times that are frame numbers"
-        raise ShotRefusedError("frames", f"the table has {said}; state the rate with --fps")
-    if len(numbers) < 2 or not np.all(np.diff(times[first]) > 0):
-        raise ShotRefusedError("frames", "times of the table do not increase with its frames")
-    return _Clock(numbers, times[first], index)
-
-
-def _numbered(times: Floats) -> Floats:
-    """Return frame numbers from times; of times without one rate, their order."""
-    each, index = np.unique(times, return_inverse=True)
-    if len(each) < 2:
-        return np.zeros(len(times))
-    steps = (each - each[0]) / float(np.median(np.diff(each)))
-    even = np.abs(steps - np.round(steps)).max() < UNEVEN
-    if even and len(np.unique(np.round(steps))) == len(each):
-        return np.asarray(np.round(steps)[index])
-    return np.asarray(index, dtype=np.float64)
-
-
-def _fall(table: TrackTable, clock: _Clock) -> tuple[TableFall, NDArray[np.bool_]]:
+def _fall(table: TrackTable, clock: Clock) -> tuple[TableFall, NDArray[np.bool_]]:
     """Return the fall of the thing that is seen most often and falls, and what may be of a ball.
 
     What is seen often and does not fall so is another thing. A few places do not tell: trackers
@@ -256,7 +230,7 @@ def _picture(places: Floats, fall: TableFall, px: float) -> Floats:
     return np.asarray((both - both.min(axis=1, keepdims=True)).T + MARGIN_RADII * RADIUS_PX)
 
 
-def _sightings(clock: _Clock, places: Floats, falling: NDArray[np.bool_]) -> Sightings:
+def _sightings(clock: Clock, places: Floats, falling: NDArray[np.bool_]) -> Sightings:
     own: list[list[list[float]]] = [[] for _ in clock.times_s]
     for index, (row, column) in zip(clock.index[falling].tolist(), places[falling], strict=True):
         own[index].append([row, column, 1.0])

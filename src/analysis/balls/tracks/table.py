@@ -6,34 +6,43 @@ MTrack2 and TrackMate (as CSV), of trackpy, of DLTdv, and any with columns frame
 
 from __future__ import annotations
 
-import csv
 import math
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.arrays import Floats
+from analysis.balls.tracks.cells import (
+    NONE,
+    is_no_number,
+    moment,
+    number,
+    read_lines,
+    split,
+    time_code,
+)
+from analysis.balls.tracks.columns import (
+    BOUNCE,
+    COUNTED,
+    METRES,
+    PIXELS,
+    SECONDS,
+    Columns,
+    columns_of,
+    unit_of,
+)
 from analysis.errors import InputError, counted
 
 TABLE_SUFFIXES = (".csv", ".tsv", ".txt", ".dat")
-MOST_BYTES = 50_000_000
-TIMES = ("t", "time", "times", "positiont", "seconds")
-FRAMES = ("frame", "frames", "framenumber", "frameno", "slice", "slicen", "image", "step")
-THINGS = ("particle", "particleid", "trackid", "trackn", "track", "trajectory", "trajid")
-"""Names of columns, those that a program writes beside another last."""
-PLACE = re.compile(r"(?:pt\d+(?:cam\d+)?|position)?([xyz])\d*")
-"""Names of places without units and punctuation: x, POSITION_X, X1, pt1_cam1_X."""
-UNIT = re.compile(r"[\[(]\s*([a-zµ]*)\s*[\])]|[_ /](px|mm|cm|m|ms|s)$", re.IGNORECASE)
-METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "micron": 1e-6, "in": 0.0254}
-SECONDS = {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6}
-BOUNCE = re.compile(r"bounce ?(\d+)(?: ?\((m?s)\))?", re.IGNORECASE)
-"""Names of times at which a ball was heard, as phyphox writes them."""
-NONE = {"", "nan", "na", "null", "none", "-"}
-"""Cells of a frame in which nothing was found."""
+MOST_NAMED = 12
+"""Columns that a refusal names."""
+TELLING, LEAST_JUMP, MOST_STEPS = 10, 5.0, 0.9
+"""A place that is 0, 0 says that nothing was found where so many others of the thing show that it
+lies farther off those beside it than so many of the steps that so large a share stays below."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,7 +64,9 @@ class TrackTable:
     numbered
         Whether the table has a column of frames.
     notes
-        What of the table was not taken.
+        How the table was read, and what of it was not taken.
+    times_in
+        Unit of the times as the table states it; empty: it does not.
     """
 
     frames: Floats
@@ -65,6 +76,7 @@ class TrackTable:
     metres: float | None
     numbered: bool
     notes: tuple[str, ...]
+    times_in: str = ""
 
     @property
     def states_times(self) -> bool:
@@ -76,20 +88,34 @@ class TrackTable:
         return not (whole and len(each) > 1 and float(np.median(np.diff(each))) == 1.0)
 
 
-@dataclass(frozen=True, slots=True)
-class _Columns:
-    """Which column is what; `tracks` are those of the places of each thing in a row."""
+@dataclass(slots=True)
+class _Read:
+    """What is read of the rows below a line of names, row by row.
 
-    time: int | None
-    frame: int | None
-    thing: int | None
-    tracks: tuple[tuple[int, ...], ...]
+    Attributes
+    ----------
+    units, time_unit
+        Of the first thing's axes, and of the times.
+    found
+        Frame, time, place, thing, and number of its line.
+    rows
+        Frames so far; a row without a place is one in which nothing was found.
+    odd
+        Lines and texts of cells that are no numbers.
+    unread
+        Where what is not read begins, and how many lines it has.
+    """
+
+    units: list[str]
+    time_unit: str
+    found: list[tuple[float, float, list[float], str, int]] = field(default_factory=list)
+    rows: int = 0
+    odd: list[tuple[int, str]] = field(default_factory=list)
+    unread: tuple[int, str, int] | None = None
 
 
 def read_track_table(path: Path) -> TrackTable:
     """Read the places in a tracker's table.
-
-    Where the table's separator is no comma, one in a number is a decimal comma.
 
     Raises
     ------
@@ -97,38 +123,127 @@ def read_track_table(path: Path) -> TrackTable:
         It is no text, has no columns x and y, or no number below them; with the line.
     """
     rows, head, columns = _rows(path)
-    below, first = rows[head + 1 :], columns.tracks[0][0]
-    unit, time_unit = (_unit(rows[head], at) for at in (first, columns.time))
-    found: list[tuple[float, float, list[float], str]] = []
-    counted_rows = left = 0
-    for number, row in enumerate(below):
+    read = _read(rows, head, columns)
+    if not read.found:
+        raise InputError(path, f"has no number below its names in line {head + 1}")
+    if read.time_unit not in {*SECONDS, *COUNTED}:
+        known = ", ".join(name for name in SECONDS if len(name) < len("secs"))
+        raise InputError(
+            path,
+            f"has times in “{read.time_unit}”, and the units that are known are {known}: rename "
+            f"the column “{rows[head][columns.time or 0].strip()}”",
+        )
+    frames, moments, places, things, lines = zip(*read.found, strict=True)
+    metres, in_one, units_said = _one_unit(read.units)
+    of = np.array(things)
+    lost = _not_found(np.array(places), of)
+    if lost.all():
+        raise InputError(path, "has no place but 0, 0")
+    return TrackTable(
+        frames=np.array(frames)[~lost],
+        times_s=None
+        if columns.time is None
+        else SECONDS.get(read.time_unit, 1.0) * np.array(moments)[~lost],
+        places=np.array(places)[~lost] * in_one,
+        things=of[~lost],
+        metres=metres,
+        numbered=columns.frame is not None,
+        notes=(*units_said, *_left_out(read, np.array(lines)[lost])),
+        times_in="" if read.time_unit in COUNTED else read.time_unit,
+    )
+
+
+def _read(rows: Sequence[Sequence[str]], head: int, columns: Columns) -> _Read:
+    """Return what stands below a line of names, up to where another table begins."""
+    axes = columns.tracks[0]
+    read = _Read([unit_of(rows[head], axis) for axis in axes], unit_of(rows[head], columns.time))
+    for line, row in enumerate(rows[head + 1 :], start=head + 2):
         own = list(_places(row, columns))
-        frame = counted_rows if columns.frame is None else _number(row, columns.frame)
-        moment = 0.0 if columns.time is None else _number(row, columns.time)
-        if own and math.isfinite(frame) and math.isfinite(moment):
-            found += [(frame, moment, *each) for each in own]
-        elif _is_text(row, columns):
-            if found:
-                left = sum(any(cell.strip() for cell in each) for each in below[number:])
+        frame = read.rows if columns.frame is None else number(row, columns.frame)
+        at = 0.0 if columns.time is None else moment(row, columns.time)
+        if own and math.isfinite(frame) and math.isfinite(at):
+            if columns.time is not None and time_code(row, columns.time) is not None:
+                read.time_unit = "s"
+            read.found += [(frame, at, *each, line) for each in own]
+        elif (text := _text(row, columns)) is not None:
+            if read.found:
+                left = sum(any(cell.strip() for cell in each) for each in rows[line - 1 :])
+                read.unread = line, text, left
                 break
             # Trackers write names for people, and units, in lines of their own below the names.
-            unit, time_unit = unit or _unit(row, first), time_unit or _unit(row, columns.time)
+            read.units = [
+                unit or unit_of(row, axis) for unit, axis in zip(read.units, axes, strict=True)
+            ]
+            read.time_unit = read.time_unit or unit_of(row, columns.time)
             continue
-        # A row without places is a frame in which nothing was found.
-        counted_rows += 1
-    if not found:
-        raise InputError(path, f"has no number below its names in line {head + 1}")
-    frames, moments, places, things = zip(*found, strict=True)
-    in_seconds = SECONDS.get(time_unit, 1.0) * np.array(moments)
-    return TrackTable(
-        frames=np.array(frames),
-        times_s=None if columns.time is None else in_seconds,
-        places=np.array(places),
-        things=np.array(things),
-        metres=METRES.get(unit),
-        numbered=columns.frame is not None,
-        notes=(f"{counted(left, 'line')} below the places were not read",) if left else (),
-    )
+        read.odd += [
+            (line, row[index].strip())
+            for track in columns.tracks
+            for index in track
+            if index < len(row) and is_no_number(row[index])
+        ]
+        read.rows += 1
+    return read
+
+
+def _one_unit(units: Sequence[str]) -> tuple[float | None, Floats, tuple[str, ...]]:
+    """Return what a unit is in m, factors that bring all axes to it, and what there is to say.
+
+    An axis that states no unit has that of the others.
+    """
+    same = np.ones(len(units))
+    stated = [unit for unit in units if unit not in PIXELS]
+    if unknown := [unit for unit in stated if unit not in METRES]:
+        said = f"the table's unit “{unknown[0]}” is not known, and does not count"
+        return None, same, (said,)
+    if not stated:
+        return None, same, ()
+    if any(unit and unit in PIXELS for unit in units):
+        return None, same, ("axes in pixels and in lengths: the table's unit does not count",)
+    metres = METRES[stated[0]]
+    own = np.array([METRES.get(unit, metres) for unit in units])
+    if np.all(own == metres):
+        return metres, same, ()
+    said = f"axes in {' and '.join(dict.fromkeys(stated))}: all are brought to {stated[0]}"
+    return metres, own / metres, (said,)
+
+
+def _not_found(places: Floats, things: NDArray[np.str_]) -> NDArray[np.bool_]:
+    """Return which places are 0, 0 far from those beside them: a tracker that found nothing."""
+    lost = np.zeros(len(places), dtype=bool)
+    nothing = np.all(places == 0.0, axis=1)
+    for thing in np.unique(things[nothing]):
+        own = np.flatnonzero((things == thing) & ~nothing)
+        zeros = np.flatnonzero((things == thing) & nothing)
+        if len(own) < TELLING:
+            continue
+        steps = np.linalg.norm(np.diff(places[own], axis=0), axis=1)
+        far = LEAST_JUMP * float(np.quantile(steps, MOST_STEPS))
+        after = np.searchsorted(own, zeros)
+        beside = np.stack([own[np.maximum(after - 1, 0)], own[np.minimum(after, len(own) - 1)]])
+        lost[zeros] = np.linalg.norm(places[beside], axis=2).min(axis=0) > far
+    return lost
+
+
+def _left_out(read: _Read, lost: NDArray[np.intp]) -> Iterator[str]:
+    """Say what of a table's rows was not read, or was taken for nothing."""
+    if read.odd:
+        line, text = read.odd[0]
+        yield (
+            f"{counted(len(read.odd), 'cell')} of places that hold no number, the first in line "
+            f"{line}: “{text}”; nothing is taken to be found there"
+        )
+    if len(lost):
+        yield (
+            f"{counted(len(lost), 'place')} at exactly 0, 0, far from those beside, the first in "
+            f"line {lost[0]}: taken for frames in which nothing was found"
+        )
+    if read.unread is not None:
+        line, text, left = read.unread
+        yield (
+            f"{counted(left, 'line')} below the places, from line {line} on (“{text}”), "
+            f"{'was' if left == 1 else 'were'} not read"
+        )
 
 
 def is_track_table(path: Path) -> bool:
@@ -154,102 +269,56 @@ def is_table_of_bounces(path: Path) -> bool:
     return any(BOUNCE.fullmatch(cell.strip()) for cell in cells)
 
 
-def read_lines(path: Path) -> list[str]:
-    """Return the lines of a text.
-
-    Raises
-    ------
-    InputError
-        It cannot be read, is too large, or is no text.
-    """
-    try:
-        if path.stat().st_size > MOST_BYTES:
-            raise InputError(path, f"is larger than a table of {MOST_BYTES // 10**6} MB")
-        data = path.read_bytes()
-    except OSError as error:
-        raise InputError(path, f"cannot be read: {error.strerror or error}") from error
-    if data[:2] in {b"\xff\xfe", b"\xfe\xff"}:
-        return data.decode("utf-16", errors="replace").splitlines()
-    if b"\0" in data:
-        raise InputError(path, "is no text")
-    try:
-        return data.decode("utf-8-sig").splitlines()
-    except UnicodeDecodeError:
-        return data.decode("latin-1").splitlines()
-
-
-def split(lines: Sequence[str], separator: str) -> list[list[str]]:
-    """Return the cells of lines; a comma within one is a decimal comma."""
-    rows = csv.reader(lines, delimiter=separator, skipinitialspace=separator == " ")
-    return [[cell.replace(",", ".") for cell in row] for row in rows]
-
-
-def _rows(path: Path) -> tuple[list[list[str]], int, _Columns]:
+def _rows(path: Path) -> tuple[list[list[str]], int, Columns]:
     """Return the cells, the row of names, and what each column is."""
     lines = read_lines(path)
+    empty: tuple[list[list[str]], int, Columns] | None = None
     for separator in "\t;, ":
         rows = split(lines, separator)
         for head, row in enumerate(rows):
-            columns = _columns(row)
-            if columns is not None:
+            columns = columns_of(row)
+            if columns is None:
+                continue
+            if any(any(_places(below, columns)) for below in rows[head + 1 :]):
                 return rows, head, columns
-    raise InputError(path, "has no line that names columns x and y")
+            empty = empty or (rows, head, columns)
+            break
+    if empty is not None:
+        return empty
+    raise InputError(path, f"has no line that names columns x and y{_named(lines)}")
 
 
-def _columns(row: Sequence[str]) -> _Columns | None:
-    """Return what a row of names says; None: it names no places."""
-    names = [_plain(cell) for cell in row]
-    tracks: list[list[int]] = []
-    axes = ""
-    order: dict[int, str] = {}
-    for index, name in enumerate(names):
-        place = PLACE.fullmatch(name)
-        if place is None:
-            continue
-        if not tracks or place[1] in axes:
-            tracks, axes = [*tracks, []], ""
-        tracks[-1].append(index)
-        order[index], axes = place[1], axes + place[1]
-        tracks[-1].sort(key=order.__getitem__)
-    kept = [track for track in tracks if len(track) == max(map(len, tracks))]
-    if "shot" in names or not kept or len(kept[0]) < 2:
-        return None
-    time, frame, thing = (
-        next((names.index(name) for name in known if name in names), None)
-        for known in (TIMES, FRAMES, THINGS)
+def _named(lines: Sequence[str]) -> str:
+    """Say which columns a table has, and what to do about them; nothing of an empty one."""
+    first = next((line for line in lines if line.strip()), None)
+    if first is None:
+        return ""
+    rows = [[cell.strip() for cell in split([first], separator)[0]] for separator in "\t;, "]
+    # Names hold blanks, too.
+    names = next((row for row in rows if len(row) > 1), rows[0])
+    if all(math.isfinite(moment(names, index)) for index in range(len(names))):
+        return (
+            f"; its first line holds {counted(len(names), 'number')} and no names: put a line "
+            "such as frame,x,y above it"
+        )
+    more = ", …" if len(names) > MOST_NAMED else ""
+    return (
+        f"; its columns are {', '.join(f'“{name}”' for name in names[:MOST_NAMED])}{more}: rename "
+        "those of the ball's places to x and y, and those of its frames or times to frame or t (s)"
     )
-    return _Columns(time, frame, thing, tuple(map(tuple, kept)))
 
 
-def _plain(cell: str) -> str:
-    """Return a column's name in lower case, without its unit and what is no letter or digit."""
-    return re.sub(r"[^a-z0-9]", "", UNIT.sub("", cell.strip()).lower())
-
-
-def _unit(row: Sequence[str], index: int | None) -> str:
-    """Return the unit in a cell, in lower case; empty where there is none."""
-    found = UNIT.search(row[index].strip()) if index is not None and index < len(row) else None
-    return "" if found is None else (found[1] or found[2] or "").lower()
-
-
-def _number(row: Sequence[str], index: int) -> float:
-    try:
-        return float(row[index].strip().replace("\u2212", "-"))
-    except (ValueError, IndexError):
-        return math.nan
-
-
-def _places(row: Sequence[str], columns: _Columns) -> Iterator[tuple[list[float], str]]:
+def _places(row: Sequence[str], columns: Columns) -> Iterator[tuple[list[float], str]]:
     """Give the places in a row, each with what it is of."""
-    for number, track in enumerate(columns.tracks):
-        place = [_number(row, index) for index in track]
+    for name, track in enumerate(columns.tracks):
+        place = [number(row, index) for index in track]
         if all(map(math.isfinite, place)):
             own = columns.thing
-            yield place, str(number) if own is None or own >= len(row) else row[own].strip()
+            yield place, str(name) if own is None or own >= len(row) else row[own].strip()
 
 
-def _is_text(row: Sequence[str], columns: _Columns) -> bool:
-    """Return whether a row below the places is none of a frame in which nothing was found."""
+def _text(row: Sequence[str], columns: Columns) -> str | None:
+    """Return the text of a row that is none of a frame; None: it is one."""
     known = [index for index in (columns.frame, columns.time) if index is not None]
-    cells = [row[i].strip().lower() for i in known or columns.tracks[0] if i < len(row)]
-    return any(cell not in NONE and math.isnan(_number([cell], 0)) for cell in cells)
+    cells = [row[i].strip() for i in known or columns.tracks[0] if i < len(row)]
+    return next((c for c in cells if c.lower() not in NONE and is_no_number(c)), None)

@@ -7,7 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from analysis.balls.analysis import FilmJob
 from analysis.balls.flight.known import Ball
+from analysis.balls.tracks.analysis import NO_CAMERA, analyse_table
 from analysis.balls.tracks.bounce_times import (
     BounceTimes,
     bounce_document,
@@ -23,18 +25,21 @@ PHYPHOX = (
 )
 
 
+LIGHT = Drop(
+    diameter=0.04,
+    mass=80.0 * np.pi / 6 * 0.04**3,
+    drag_coefficient=0.47,
+    start=np.array([0.0, 1.0, 0.0]),
+    speed=np.zeros(3),
+    restitution=(0.9, 0.02, 1.0),
+    grip=1.0,
+)
+"""A ball for table tennis."""
+
+
 def test_e_of_a_light_ball_is_that_of_its_flight_through_air() -> None:
     ball = Ball(0.04, density=80.0)
-    drop = Drop(
-        diameter=0.04,
-        mass=80.0 * np.pi / 6 * 0.04**3,
-        drag_coefficient=0.47,
-        start=np.array([0.0, 1.0, 0.0]),
-        speed=np.zeros(3),
-        restitution=(0.9, 0.02, 1.0),
-        grip=1.0,
-    )
-    bounces = fly(drop, 3.5)[2]
+    bounces = fly(LIGHT, 3.5)[2]
     times = np.array([bounce.time for bounce in bounces])
     found = bounce_document(BounceTimes(times), ball)["impacts"]
     in_vacuum = np.diff(times)[1:] / np.diff(times)[:-1]
@@ -104,3 +109,52 @@ def test_too_few_bounces_and_bounces_out_of_order_are_refused(tmp_path: Path) ->
     path.write_text("Bounce 0 (s),Bounce 1 (s)\n2.0,far\n")
     with pytest.raises(InputError, match="no number"):
         read_bounce_times(path)
+
+
+def test_of_a_ball_without_a_mass_e_holds_how_light_it_may_be() -> None:
+    """A ball for table tennis is a fifth as dense as what is taken where nothing is stated."""
+    bounces = fly(LIGHT, 3.5)[2]
+    times = np.array([bounce.time for bounce in bounces])
+    for impact, bounce in zip(
+        bounce_document(BounceTimes(times), Ball(0.04))["impacts"], bounces[1:-1], strict=True
+    ):
+        for key, true in (("e", bounce.e), ("v_n", -bounce.v_n)):
+            assert abs(impact[key]["value"] - true) < 2.0 * impact[key]["sigma"]
+
+
+def test_bounces_keep_the_table_s_numbers_and_a_number_that_lacks_was_not_heard(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "Energy.csv"
+    names = ",".join(f"Bounce {k} (us)" for k in (1, 2, 3, 5))
+    path.write_text(f"{names}\n1.0e6,1.6e6,2.08e6,2.9e6\n")
+    shot = bounce_document(read_bounce_times(path), Ball(0.02, density=1e6))
+    (impact,) = shot["impacts"]
+    assert impact["bounce"] == 2
+    assert impact["e"]["value"] == pytest.approx(0.8, abs=1e-3)
+    assert "bounce 2 of 1 to 5" in shot["notes"][0]
+    assert "not heard: 4" in shot["notes"][1]
+
+
+def test_a_first_bounce_at_0_is_the_start_of_the_clock_and_a_later_one_was_not_heard(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "Energy.csv"
+    names = ",".join(f"Bounce {k} (s)" for k in range(4))
+    path.write_text(f"{names}\n0,0.6,1.08,0\n")
+    bounces = read_bounce_times(path)
+    assert bounces.times_s.tolist() == [0.0, 0.6, 1.08]
+    assert "clock's start" in bounces.notes[0]
+    # No ball flies for so long: then it was not heard.
+    path.write_text(f"{names}\n0,20.6,21.08,21.46\n")
+    bounces = read_bounce_times(path)
+    assert bounces.times_s == pytest.approx([np.nan, 20.6, 21.08, 21.46], nan_ok=True)
+    assert bounces.notes == ()
+
+
+def test_a_frame_rate_and_an_exposure_are_said_not_to_count(tmp_path: Path) -> None:
+    path = tmp_path / "Energy.csv"
+    path.write_text("Bounce 0 (s),Bounce 1 (s),Bounce 2 (s)\n1.0,1.6,2.08\n")
+    told, untold = (analyse_table(FilmJob(1, path, Ball(0.02), rate)) for rate in (240.0, None))
+    assert NO_CAMERA in told.document["notes"]
+    assert NO_CAMERA not in untold.document["notes"]

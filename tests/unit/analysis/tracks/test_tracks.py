@@ -147,12 +147,43 @@ def test_a_plate_that_leans_pushes_a_ball_aside_which_is_said() -> None:
 
 
 def test_frames_keep_the_table_s_numbers_and_a_stated_rate_goes_before_its_times() -> None:
-    later = replace(table(flown()), frames=np.arange(len(flown())) + 1000.0)
+    later = replace(table(flown()), frames=np.arange(len(flown()), dtype=float) + 1000)
     shot = measured(replace(later, times_s=later.frames), rate=RATE)
     first = shot["impacts"][0]
     assert first["frame"] == pytest.approx(1000 + RATE * 0.425, abs=1.5)
     assert first["contact_time_s"] * RATE == pytest.approx(first["frame"], abs=0.5)
     assert min(first["frames_before"]) >= 1000
+
+
+def test_times_that_are_rounded_until_several_are_the_same_count_in_their_order() -> None:
+    whole = table(flown())
+    rows = np.arange(len(whole.frames), dtype=float)
+    exact = measured(replace(whole, frames=rows))["impacts"]
+    rounded = replace(whole, times_s=np.round(rows / RATE, 2), numbered=False)
+    for shot in (measured(rounded), measured(rounded, rate=RATE)):
+        assert any("rounded to 0.01 s, and several are the same" in note for note in shot["notes"])
+        assert not any("other thing" in note for note in shot["notes"])
+        for impact, other in zip(shot["impacts"], exact, strict=True):
+            assert impact["e"]["value"] == pytest.approx(other["e"]["value"], abs=1e-3)
+    # Numbers that lack, and times that are not those of one rate.
+    apart = np.where(rows > 60, rows + 9, rows)
+    with pytest.raises(ShotRefusedError, match="are not those of one rate"):
+        measured(replace(rounded, times_s=np.round(apart / RATE, 2)))
+
+
+def test_rows_without_frames_and_times_say_that_none_that_lacks_is_seen() -> None:
+    shot = measured(replace(table(flown()), times_s=None, numbered=False), rate=RATE)
+    assert any("a row that is missing is not seen" in note for note in shot["notes"])
+
+
+def test_times_that_can_be_no_seconds_ask_for_their_unit_and_a_low_rate_is_said() -> None:
+    whole = table(flown())
+    assert whole.times_s is not None
+    with pytest.raises(ShotRefusedError, match=r"steps of 8.333 .*such as t \(ms\)"):
+        measured(replace(whole, times_s=1e3 * whole.times_s))
+    few = replace(table(flown()[::12]), numbered=False)
+    with pytest.raises(ShotRefusedError, match="; 10 frames/s are few: four places"):
+        measured(replace(few, times_s=few.frames / 10.0))
 
 
 @pytest.mark.parametrize(
@@ -164,6 +195,15 @@ def test_a_table_without_times_asks_for_the_rate(times: Floats | None, said: str
     given = None if times is None else times[: len(one.frames)]
     with pytest.raises(ShotRefusedError, match=f"{said}; state the rate with --fps"):
         measured(replace(one, times_s=given))
+
+
+def test_one_thing_and_one_flight_beside_the_ball_are_said_as_one() -> None:
+    found = measure_track(table(flown()), BALL, None, None)
+    notes = track_document(replace(found, others=(1, 1)))["notes"]
+    assert "1 other thing in the table flies and bounces too; left out" in notes
+    assert any(note.startswith("1 flight of the table meets none") for note in notes)
+    notes = track_document(replace(found, others=(2, 2)))["notes"]
+    assert "2 other things in the table fly and bounce too; left out" in notes
 
 
 def test_a_ball_that_only_falls_has_no_bounce_and_what_rests_does_not_fall() -> None:
