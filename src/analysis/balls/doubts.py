@@ -10,7 +10,6 @@ import numpy as np
 from analysis.arrays import Floats
 from analysis.balls.flight import path
 from analysis.balls.flight.flights import LARGE_CHI2, Flights
-from analysis.balls.flight.known import UNKNOWN_SPREAD
 from analysis.balls.flight.lost import MOST_E, MOST_SCATTER_PX
 from analysis.balls.gaps import period_of
 from analysis.balls.measuring import MeasuredBall, coefficient
@@ -43,7 +42,7 @@ def doubts(measured: MeasuredBall, flights: Flights, *, alone: bool = True) -> I
 
 def _by_mass(measured: MeasuredBall, flights: Flights) -> Iterator[str]:
     """Say that a mass would make e surer, where its error is the drag's of a ball of any mass."""
-    if flights.known_sigmas[path.DRAG] < UNKNOWN_SPREAD:
+    if flights.weighed:
         return
     with_drag = flights.covariance[path.DRAG]
     sigma = math.sqrt(with_drag[path.DRAG])

@@ -56,6 +56,8 @@ class Search:
         Light of each frame over that of what stands still, shape (frames,).
     about
         The pictures about all sightings; None of a film that is held.
+    shake_shown
+        Whether it would be seen if the camera moved.
     """
 
     looks: Looks
@@ -69,6 +71,7 @@ class Search:
     contradicts: bool
     times_s: Floats
     gaps: tuple[Gap, ...]
+    shake_shown: bool = True
 
     @property
     def as_stated(self) -> bool:

@@ -13,6 +13,7 @@ from analysis.balls.films.film import Film, FilmHead
 from analysis.balls.flight import path
 from analysis.balls.flight.fit import fit_flights
 from analysis.balls.flight.flights import Flights, Observed, Start
+from analysis.balls.flight.kinds import told_drag
 from analysis.balls.flight.known import Ball, Known, View
 from analysis.balls.flight.lost import contradicted, find_gap, unsure_e
 from analysis.balls.found import Search
@@ -217,17 +218,19 @@ def _at_surface(
     bare = placed = clear.of(flown)
     of_radius: ByRadius | None = None
     flights, told_by, earlier, own, row_time = None, placed, placed, windows, 0.0
+    drag = ball.drag_per_m()
     by_rims: RimsOff | None = None
     coefficients: list[Floats] = []
     fits: list[_Fit] = []
     for repeat in range(MOST_REPEATS if len(chain.times_s) else 0):
         view = _view(film.head, period, placer.exposure_s)
         observed = _observed(placed, times_s, of_radius)
-        known = Known(ball, view, looks.radius_px, looks.radius_sigma_px)
+        known = Known(ball, view, looks.radius_px, looks.radius_sigma_px, drag)
         fitted = fit_flights(observed, start, known, flights)
         if fitted is None:
             break
         flights, told_by, earlier = fitted, placed, told_by
+        drag = told_drag(ball, flights, drag) if ball.density is None else drag
         fits.append((observed, start, known, fitted))
         coefficients.append(flights.contacts[:, 3] / flights.contacts[:, 1])
         settled = _last_change(coefficients).max() < SETTLED_E

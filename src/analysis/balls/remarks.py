@@ -25,6 +25,13 @@ FEW_GAPS = 1
 SHOWN = 12
 """Frames that a sentence lists."""
 
+UNSHOWN = (
+    "whether the camera moved cannot be seen: too little that stands still has edges, or a codec "
+    "carries its noise along; on a stand that is right, but if the camera was held by hand, places "
+    "and e may be further off than their errors say"
+)
+"""Of a film that a codec has been at, as those that are held by hand."""
+
 
 def remarks(measured: MeasuredBall) -> tuple[str, ...]:
     """Return the sentences of one film, none where nothing is out of the ordinary."""
@@ -35,6 +42,8 @@ def _remarks(measured: MeasuredBall) -> Iterator[str]:
     head, chain = measured.head, measured.chain
     yield from head.notes
     yield from (_other(*other) for other in measured.search.others)
+    if head.compressed and not measured.search.shake_shown:
+        yield UNSHOWN
     yield from _missing(measured)
     yield from edges(measured)
     yield from _repeated(measured)

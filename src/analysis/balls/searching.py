@@ -80,8 +80,7 @@ def search(film: Film, times_s: Floats, ball: Ball, *, complete: bool = False) -
     shown = list(samples.values())
     noise = noise_of(shown, ground)
     refuse_combed(samples, ground, noise)
-    if not head.steady:
-        refuse_shaken(samples)
+    shake_shown = head.steady or refuse_shaken(samples)
     turning = turning_ball(shown, ground, noise, radii_px(ground))
     if turning is not None:
         raise TurningError(turning, ground, times_s)
@@ -113,7 +112,7 @@ def search(film: Film, times_s: Floats, ball: Ball, *, complete: bool = False) -
     if best is not None:
         others = tuple((one.chain, True) for one in seen if another(one, best))
         best = _uncovered(best, (film, times_s, ball), (read, samples, ground), complete=complete)
-        return replace(best, others=(*best.others, *others))
+        return replace(best, others=(*best.others, *others), shake_shown=shake_shown)
     raise refused or ShotRefusedError(
         "ball",
         f"nothing round moves in this film: {len(samples)} of its {head.frames} frames "

@@ -88,6 +88,24 @@ def test_a_ball_that_sways_before_stripes_is_no_camera_that_moves() -> None:
     refuse_shaken({k: each[..., None] for k, each in enumerate(turning((0.6, -0.5)))})
 
 
+def test_noise_that_a_codec_carries_from_picture_to_picture_is_no_camera_that_moves() -> None:
+    rng, kept, pictures = np.random.default_rng(1), np.zeros((240, 320)), {}
+    for frame in range(40):
+        if frame % 8 == 0:
+            # Half of what was there stays, and the rest is the noise of a new whole picture.
+            fresh = cv2.GaussianBlur(rng.normal(0.0, 1.0, kept.shape), (0, 0), 2.0)
+            kept = (0.5 * kept if frame else 0.0) + fresh * (2.6 if frame else 3.0) / fresh.std()
+        noisy = 24.0 + kept + rng.normal(0.0, 0.3, kept.shape)
+        pictures[frame] = np.asarray(np.clip(np.rint(noisy), 0, 255), np.uint8)[..., None]
+    assert not refuse_shaken(pictures)
+
+
+@pytest.mark.parametrize("plain", [False, True])
+def test_it_is_said_whether_a_shake_would_be_seen(*, plain: bool) -> None:
+    wall = picture(-100.0) if plain else before_a_wall(picture(-100.0))
+    assert refuse_shaken(dict.fromkeys(range(20), wall[..., None])) is not plain
+
+
 def test_a_wall_that_moves_in_the_picture_is_said_to_with_frame_and_distance() -> None:
     moved = shaken([before_a_wall(picture(-100.0))] * 40)
     with pytest.raises(ShakenError, match=r"lies \d\.\d px elsewhere in frame \d+"):

@@ -104,6 +104,7 @@ def described(problem: Problem, values: Floats, chosen: Chosen) -> Flights:
         scale_of_diameter=(problem.scale, problem.scale_sigma),
         contradiction=apart > allowed,
         readout=problem.view.readout,
+        weighed=problem.ball.density is not None,
     )
 
 

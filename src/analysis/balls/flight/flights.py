@@ -151,6 +151,10 @@ class Flights:
         px/m from the diameter alone and its relative standard error.
     contradiction
         Whether the two differ by more than their errors allow; the diameter was then left out.
+    readout
+        Of the camera, as `View` has it.
+    weighed
+        Whether the ball's mass is stated.
     """
 
     values: Floats
@@ -174,6 +178,7 @@ class Flights:
     scale_of_diameter: tuple[float, float]
     contradiction: bool
     readout: str
+    weighed: bool
 
     @property
     def bounces(self) -> int:

@@ -242,12 +242,16 @@ class Known:
         What is stated.
     radius_px, radius_sigma_px
         Of the ball in the picture.
+    drag
+        In 1/m, and the spread of its logarithm, where flights have told more of it than is stated
+        of the ball.
     """
 
     ball: Ball
     view: View
     radius_px: float
     radius_sigma_px: float = 0.0
+    drag: tuple[float, float] | None = None
 
     def outline_sigma(self) -> float:
         """Return the relative standard error of the radius."""

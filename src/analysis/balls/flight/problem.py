@@ -94,7 +94,7 @@ class Problem:
         self.observed, self.view, self.ball, self.start = observed, view, ball, start
         self.bounces, beside = len(start.times_s), _beside(start)
         self.scale, self.scale_sigma = known.scale()
-        drag, drag_spread = ball.drag_per_m()
+        drag, drag_spread = known.drag or ball.drag_per_m()
         row_time, row_sigma = view.row_time()
         count = path.COMMON + path.EACH * self.bounces
         self.prior, self.prior_sigma = np.zeros(count), np.full(count, np.inf)
