@@ -32,10 +32,13 @@ class TableFall:
         Of the vertical: 0, 1 or 2 for x, y or z.
     size
         Units a second squared; positive where things fall towards larger numbers.
+    scatter
+        Of places about a free fall, units.
     """
 
     axis: int
     size: float
+    scatter: float
 
 
 def table_fall(times_s: Floats, places: Floats) -> TableFall:
@@ -54,7 +57,7 @@ def table_fall(times_s: Floats, places: Floats) -> TableFall:
         No axis bends in one way throughout.
     """
     found = [_along(times_s, places[:, axis]) for axis in range(places.shape[1])]
-    sizes = [abs(bend) if unsure < MOST_UNSURE * abs(bend) else 0.0 for bend, unsure in found]
+    sizes = [abs(bend) if unsure < MOST_UNSURE * abs(bend) else 0.0 for bend, unsure, _ in found]
     if not any(sizes):
         raise ShotRefusedError(
             "flight",
@@ -62,11 +65,11 @@ def table_fall(times_s: Floats, places: Floats) -> TableFall:
             "frames or times are those of the camera, and that the ball flies",
         )
     axis = int(np.argmax(sizes))
-    return TableFall(axis, found[axis][0])
+    return TableFall(axis, found[axis][0], max(scatter for _, _, scatter in found))
 
 
-def _along(times_s: Floats, values: Floats) -> tuple[float, float]:
-    """Return the bend of the longest pieces that are parabolas, and its error."""
+def _along(times_s: Floats, values: Floats) -> tuple[float, float, float]:
+    """Return the bend of the longest pieces that are parabolas, its error, and their scatter."""
     found = 0.0, np.inf
     scatter = 0.0
     for length in LENGTHS:
@@ -90,7 +93,7 @@ def _along(times_s: Floats, values: Floats) -> tuple[float, float]:
         middle = float(np.median(bends))
         spread = 1.4826 * float(np.median(np.abs(bends - middle)))
         found = middle, max(spread, scatter * float(np.median(errors)))
-    return found
+    return *found, scatter
 
 
 def _pieces(times_s: Floats, values: Floats, length: int) -> Floats:

@@ -27,6 +27,8 @@ from analysis.errors import ShotRefusedError, counted
 
 RADIUS_PX = 20.0
 """Of the ball in the picture that a table is turned into: the search has tolerances in pixels."""
+RADII_OF_SCATTER = 20.0
+"""Least radius with which is searched, in the scatter of places: tolerances are shares of it."""
 SCALE_SIGMA, UNIT_SIGMA = 2.0, 0.03
 """Of a scale's logarithm that nobody states, and of one that follows from a table's unit: a length
 was held beside the flight, nearer to the camera or farther."""
@@ -135,10 +137,12 @@ def _measured(
     fall, falling = _fall(table, clock)
     by_fall = abs(fall.size) / ball.gravity
     px = 2.0 * RADIUS_PX / ball.diameter_m / by_fall
-    seen = _sightings(clock, _picture(table.places, fall, px), falling)
+    radius = max(RADIUS_PX, RADII_OF_SCATTER * fall.scatter * px)
+    margin = MARGIN_RADII * radius
+    seen = _sightings(clock, _picture(table.places, fall, px, margin), falling, margin)
     down = np.array([abs(fall.size) * px, 0.0])
-    arcs = joined(find_arcs(seen, RADIUS_PX, down), RADIUS_PX, down, seen.shape)
-    linked = chains(arcs, RADIUS_PX, down)
+    arcs = joined(find_arcs(seen, radius, down), radius, down, seen.shape)
+    linked = chains(arcs, radius, down)
     if not linked or not len(linked[0].times_s):
         raise ShotRefusedError("flight", _no_bounce(linked))
     view = View(
@@ -222,19 +226,21 @@ def _others(linked: list[Chain]) -> tuple[int, int]:
     return beside, apart
 
 
-def _picture(places: Floats, fall: TableFall, px: float) -> Floats:
+def _picture(places: Floats, fall: TableFall, px: float, margin: float) -> Floats:
     """Return places as rows and columns of a picture in which things fall down, shape (N, 2)."""
     beside = [axis for axis in range(places.shape[1]) if axis != fall.axis]
     across = max(beside, key=lambda axis: float(np.ptp(places[:, axis])))
     both = np.stack([math.copysign(px, fall.size) * places[:, fall.axis], px * places[:, across]])
-    return np.asarray((both - both.min(axis=1, keepdims=True)).T + MARGIN_RADII * RADIUS_PX)
+    return np.asarray((both - both.min(axis=1, keepdims=True)).T + margin)
 
 
-def _sightings(clock: Clock, places: Floats, falling: NDArray[np.bool_]) -> Sightings:
+def _sightings(
+    clock: Clock, places: Floats, falling: NDArray[np.bool_], margin: float
+) -> Sightings:
     own: list[list[list[float]]] = [[] for _ in clock.times_s]
     for index, (row, column) in zip(clock.index[falling].tolist(), places[falling], strict=True):
         own[index].append([row, column, 1.0])
-    height, width = np.ceil(places.max(axis=0) + MARGIN_RADII * RADIUS_PX).astype(int).tolist()
+    height, width = np.ceil(places.max(axis=0) + margin).astype(int).tolist()
     found = [np.array(each).reshape(-1, 3) for each in own]
     return Sightings(clock.times_s, found, (height, width))
 

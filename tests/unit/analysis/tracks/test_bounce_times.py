@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,7 @@ from analysis.balls.tracks.bounce_times import (
 )
 from analysis.balls.tracks.table import is_table_of_bounces
 from analysis.errors import InputError, ShotRefusedError
-from benchmarks.balls.dropping import Drop, fly
+from benchmarks.balls.dropping import Bounce, Drop, fly
 
 PHYPHOX = (
     '"Bounce 0 (s)","Height 0 (m)","Bounce 1 (s)","Height 1 (m)","Energy 1","Bounce 2 (s)"\n'
@@ -37,9 +38,14 @@ LIGHT = Drop(
 """A ball for table tennis."""
 
 
+@cache
+def light_bounces() -> list[Bounce]:
+    return fly(LIGHT, 3.5)[2]
+
+
 def test_e_of_a_light_ball_is_that_of_its_flight_through_air() -> None:
     ball = Ball(0.04, density=80.0)
-    bounces = fly(LIGHT, 3.5)[2]
+    bounces = light_bounces()
     times = np.array([bounce.time for bounce in bounces])
     found = bounce_document(BounceTimes(times), ball)["impacts"]
     in_vacuum = np.diff(times)[1:] / np.diff(times)[:-1]
@@ -113,7 +119,7 @@ def test_too_few_bounces_and_bounces_out_of_order_are_refused(tmp_path: Path) ->
 
 def test_of_a_ball_without_a_mass_e_holds_how_light_it_may_be() -> None:
     """A ball for table tennis is a fifth as dense as what is taken where nothing is stated."""
-    bounces = fly(LIGHT, 3.5)[2]
+    bounces = light_bounces()
     times = np.array([bounce.time for bounce in bounces])
     for impact, bounce in zip(
         bounce_document(BounceTimes(times), Ball(0.04))["impacts"], bounces[1:-1], strict=True

@@ -107,6 +107,28 @@ def test_the_ball_is_found_among_things_that_stay_and_by_pieces_of_its_track() -
     assert found == pytest.approx([E, E], abs=0.01)
 
 
+@pytest.mark.long
+def test_a_ball_whose_places_scatter_by_a_large_part_of_its_radius_is_measured() -> None:
+    """20 mm at 400 px/m with 1.2 px of scatter, a third of the radius."""
+    rate = 240.0
+    small = replace(DROP, diameter=0.02, mass=DROP.mass / 8.0, start=np.array([0.0, 1.2, 0.0]))
+    step = round(1.0 / rate / STEP_S)
+    path = 400.0 * fly(small, 2.15)[1][::step, :2]
+    frames = np.arange(len(path), dtype=float)
+    off: list[float] = []
+    for seed in range(4):
+        seen = path + np.random.default_rng(seed).normal(0.0, 1.2, path.shape)
+        things = np.full(len(path), "0")
+        of = TrackTable(frames, frames * step * STEP_S, seen, things, None, numbered=True, notes=())
+        found = measure_track(of, replace(BALL, diameter_m=0.02), None, None)
+        assert found.flights.bounces >= 3
+        for bounce in range(3):
+            e, sigma = found.coefficient(bounce)
+            assert sigma < 0.006
+            off.append((e - E) / sigma)
+    assert np.sqrt(np.mean(np.square(off))) < 1.5
+
+
 def test_a_ball_that_is_held_for_longer_than_it_flies_is_measured() -> None:
     places = flown()
     rng = np.random.default_rng(6)
