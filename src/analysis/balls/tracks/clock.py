@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +20,8 @@ UNEVEN = 0.1
 ROUNDED = 0.75
 """Of the step to which times are rounded, by which they may lie off one rate."""
 LEAST_FRAMES = 2
+SAME_RATE = 0.02
+"""By which the logarithms of two rates that are one may differ."""
 LONGEST_STEP_S = 0.5
 """Between frames of any ball that bounces."""
 NO_FRAMES = (
@@ -78,10 +82,8 @@ def clock_of(table: TrackTable, rate_hz: float | None) -> Clock:
             "places of one thing have the same time; state frames, or times with more digits",
         )
     if rate_hz is not None:
-        if times is None:
-            notes = () if table.numbered else (NO_FRAMES,)
-        else:
-            notes = (_rounded_said(times[first], rate_hz),) if twice else ()
+        own = None if times is None else times[first]
+        notes = tuple(_of_a_rate(table, own, rate_hz, twice=twice))
         return Clock(numbers, numbers / rate_hz, index, notes)
     if times is None or not table.states_times:
         said = "no times" if times is None else "times that are frame numbers"
@@ -97,6 +99,25 @@ def clock_of(table: TrackTable, rate_hz: float | None) -> Clock:
     if not table.times_in and clock.period_s > LONGEST_STEP_S:
         raise ShotRefusedError("frames", _in_no_seconds(clock.period_s))
     return clock
+
+
+def _of_a_rate(
+    table: TrackTable, times: Floats | None, rate_hz: float, *, twice: bool
+) -> Iterator[str]:
+    """Say what a stated rate goes before, and what it hides."""
+    if times is None:
+        if not table.numbered:
+            yield NO_FRAMES
+        return
+    if twice:
+        yield _rounded_said(times, rate_hz)
+    elif table.states_times and len(times) > 1:
+        own = 1.0 / float(np.median(np.diff(times)))
+        if abs(math.log(abs(own) / rate_hz)) > SAME_RATE:
+            yield (
+                f"the rate of {rate_hz:.5g} frames/s that is stated goes before the table's times, "
+                f"by which it is {own:.5g}"
+            )
 
 
 def _in_no_seconds(step: float) -> str:

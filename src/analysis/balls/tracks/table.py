@@ -1,7 +1,8 @@
 """Tables of trackers: places by frame or time, whatever the program calls its columns.
 
 Read are tables with a line of names: of Tracker (Open Source Physics), of ImageJ's Manual Tracking,
-MTrack2 and TrackMate (as CSV), of trackpy, of DLTdv, and any with columns frame or t, x and y.
+MTrack2 and TrackMate (as CSV), of trackpy, of DLTdv, of Logger Pro and Capstone, and any with
+columns frame or t, x and y.
 """
 
 from __future__ import annotations
@@ -40,8 +41,10 @@ from analysis.errors import InputError, counted
 TABLE_SUFFIXES = (".csv", ".tsv", ".txt", ".dat")
 MOST_NAMED = 12
 """Columns that a refusal names."""
+NOTHING = 0.0, -1.0
+"""What trackers write as both numbers of a place where they found nothing."""
 TELLING, LEAST_JUMP, MOST_STEPS = 10, 5.0, 0.9
-"""A place that is 0, 0 says that nothing was found where so many others of the thing show that it
+"""Such a place says that nothing was found where so many others of the thing show that it
 lies farther off those beside it than so many of the steps that so large a share stays below."""
 
 
@@ -137,8 +140,6 @@ def read_track_table(path: Path) -> TrackTable:
     metres, in_one, units_said = _one_unit(read.units)
     of = np.array(things)
     lost = _not_found(np.array(places), of)
-    if lost.all():
-        raise InputError(path, "has no place but 0, 0")
     return TrackTable(
         frames=np.array(frames)[~lost],
         times_s=None
@@ -211,7 +212,7 @@ def _one_unit(units: Sequence[str]) -> tuple[float | None, Floats, tuple[str, ..
 def _not_found(places: Floats, things: NDArray[np.str_]) -> NDArray[np.bool_]:
     """Return which places are 0, 0 far from those beside them: a tracker that found nothing."""
     lost = np.zeros(len(places), dtype=bool)
-    nothing = np.all(places == 0.0, axis=1)
+    nothing = np.any([np.all(places == each, axis=1) for each in NOTHING], axis=0)
     for thing in np.unique(things[nothing]):
         own = np.flatnonzero((things == thing) & ~nothing)
         zeros = np.flatnonzero((things == thing) & nothing)
@@ -235,8 +236,8 @@ def _left_out(read: _Read, lost: NDArray[np.intp]) -> Iterator[str]:
         )
     if len(lost):
         yield (
-            f"{counted(len(lost), 'place')} at exactly 0, 0, far from those beside, the first in "
-            f"line {lost[0]}: taken for frames in which nothing was found"
+            f"{counted(len(lost), 'place')} at exactly 0, 0 or -1, -1, far from those beside, the "
+            f"first in line {lost[0]}: taken for frames in which nothing was found"
         )
     if read.unread is not None:
         line, text, left = read.unread
@@ -258,14 +259,15 @@ def is_track_table(path: Path) -> bool:
 
 
 def is_table_of_bounces(path: Path) -> bool:
-    """Return whether a file's first line names times at which a ball was heard."""
+    """Return whether a file's first line, blank ones apart, names times of bounces."""
     if path.suffix.lower() not in TABLE_SUFFIXES or not path.is_file():
         return False
     try:
         lines = read_lines(path)
     except InputError:
         return False
-    cells = re.split("[\t;,]", lines[0].replace('"', "")) if lines else []
+    first = next((line for line in lines if line.strip()), "")
+    cells = re.split("[\t;,]", first.replace('"', ""))
     return any(BOUNCE.fullmatch(cell.strip()) for cell in cells)
 
 

@@ -72,7 +72,7 @@ def test_errors_of_e_are_those_of_times_that_are_heard_a_millisecond_off() -> No
 
 def test_bounces_of_phyphox_are_read_and_one_that_was_not_heard_is_none(tmp_path: Path) -> None:
     path = tmp_path / "Energy.csv"
-    path.write_text(PHYPHOX)
+    path.write_text("\n" + PHYPHOX)
     assert is_table_of_bounces(path)
     assert read_bounce_times(path).times_s.tolist() == [1.5, 2.0]
     assert not is_table_of_bounces(tmp_path / "none.csv")

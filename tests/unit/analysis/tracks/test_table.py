@@ -126,12 +126,14 @@ def test_cells_that_hold_no_number_are_said(tmp_path: Path) -> None:
     assert said.startswith("2 cells of places that hold no number, the first in line 3: “far”")
 
 
-def test_a_place_at_0_0_far_from_those_beside_it_is_none(tmp_path: Path) -> None:
-    rows = [f"{k},{100 + k},{200 - k}" if k % 9 else f"{k},0,0" for k in range(40)]
+@pytest.mark.parametrize("none", ["0,0", "-1,-1"])
+def test_a_place_at_0_0_far_from_those_beside_it_is_none(none: str, tmp_path: Path) -> None:
+    rows = [f"{k},{100 + k},{200 - k}" if k % 9 else f"{k},{none}" for k in range(40)]
     table = read(tmp_path, "\n".join(["frame,x,y", *rows]))
     assert table.frames.tolist() == [k for k in range(40) if k % 9]
     (said,) = table.notes
-    assert said.startswith("5 places at exactly 0, 0, far from those beside, the first in line 2")
+    assert said.startswith("5 places at exactly 0, 0 or -1, -1, far from those beside")
+    assert "the first in line 2:" in said
     # A ball that goes through the origin of the table's axes does.
     rows = [f"{k},{k - 20},{20 - k}" for k in range(40)]
     assert len(read(tmp_path, "\n".join(["frame,x,y", *rows])).frames) == 40
@@ -150,8 +152,10 @@ def test_two_tracks_of_one_table_are_two_things_and_what_is_below_them_is_said(
 
 @given(
     numbers=st.lists(
-        # Places at 0, 0 may be none.
-        st.tuples(*[st.floats(-1e6, 1e6).map(lambda value: round(value, 4))] * 2).filter(any),
+        # Places at 0, 0 and -1, -1 may be none.
+        st.tuples(*[st.floats(-1e6, 1e6).map(lambda value: round(value, 4))] * 2).filter(
+            lambda place: place not in {(0.0, 0.0), (-1.0, -1.0)}
+        ),
         min_size=1,
     ),
     separator=st.sampled_from(["\t", ";", ","]),

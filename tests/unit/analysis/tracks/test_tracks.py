@@ -193,6 +193,13 @@ def test_times_that_are_rounded_until_several_are_the_same_count_in_their_order(
         measured(replace(rounded, times_s=np.round(apart / RATE, 2)))
 
 
+def test_a_stated_rate_that_the_table_s_times_contradict_is_said() -> None:
+    said = "the rate of 240 frames/s that is stated goes before the table's times, by which it is "
+    whole = table(flown())
+    assert f"{said}120" in measured(whole, rate=2.0 * RATE)["notes"]
+    assert not any("goes before" in note for note in measured(whole, rate=RATE)["notes"])
+
+
 def test_rows_without_frames_and_times_say_that_none_that_lacks_is_seen() -> None:
     shot = measured(replace(table(flown()), times_s=None, numbered=False), rate=RATE)
     assert any("a row that is missing is not seen" in note for note in shot["notes"])
