@@ -303,6 +303,10 @@ def _named(lines: Sequence[str]) -> str:
             f"; its first line holds {counted(len(names), 'number')} and no names: put a line "
             "such as frame,x,y above it"
         )
+    if names[0].lower().startswith("bounce"):
+        return (
+            "; bounces that were heard stand in one row below Bounce 0 (s), Bounce 1 (s) and so on"
+        )
     more = ", …" if len(names) > MOST_NAMED else ""
     return (
         f"; its columns are {', '.join(f'“{name}”' for name in names[:MOST_NAMED])}{more}: rename "

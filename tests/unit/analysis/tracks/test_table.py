@@ -186,6 +186,7 @@ def test_any_numbers_are_read_back_with_any_separator(
         (b"frame,x,y\n", "no number below its names in line 1"),
         (b"frame,x,y\n1,\0\0", "is no text"),
         (b"frame,left,top\n0,1,2\n", "its columns are “frame”, “left”, “top”: rename those"),
+        (b"Bounce,Time (s)\n0,1.5\n1,2.0\n", "stand in one row below Bounce 0"),
         (b"0,1.5,25\n1,1.6,24\n", "its first line holds 3 numbers and no names"),
         (b"", "no line that names columns x and y"),
     ],
