@@ -27,8 +27,9 @@ from analysis.errors import ShotRefusedError, counted
 
 RADIUS_PX = 20.0
 """Of the ball in the picture that a table is turned into: the search has tolerances in pixels."""
-RADII_OF_SCATTER = 20.0
-"""Least radius with which is searched, in the scatter of places: tolerances are shares of it."""
+RADII_OF_SCATTER, WIDEST_PX = 20.0, 160.0
+"""Least radius with which is searched, in the scatter of places: tolerances are shares of it. And
+the largest: where places scatter farther, the fall that was found is not the ball's."""
 SCALE_SIGMA, UNIT_SIGMA = 2.0, 0.03
 """Of a scale's logarithm that nobody states, and of one that follows from a table's unit: a length
 was held beside the flight, nearer to the camera or farther."""
@@ -137,7 +138,8 @@ def _measured(
     fall, falling = _fall(table, clock)
     by_fall = abs(fall.size) / ball.gravity
     px = 2.0 * RADIUS_PX / ball.diameter_m / by_fall
-    radius = max(RADIUS_PX, RADII_OF_SCATTER * fall.scatter * px)
+    wide = RADII_OF_SCATTER * fall.scatter * px
+    radius = wide if RADIUS_PX < wide < WIDEST_PX else RADIUS_PX
     margin = MARGIN_RADII * radius
     seen = _sightings(clock, _picture(table.places, fall, px, margin), falling, margin)
     down = np.array([abs(fall.size) * px, 0.0])

@@ -129,6 +129,18 @@ def test_a_ball_whose_places_scatter_by_a_large_part_of_its_radius_is_measured()
     assert np.sqrt(np.mean(np.square(off))) < 1.5
 
 
+def test_bounces_too_near_one_another_for_the_rate_are_none_and_no_scatter() -> None:
+    rate = 24.0
+    drop = replace(DROP, start=np.array([0.0, 0.12, 0.0]))
+    step = round(1.0 / rate / STEP_S)
+    seen = 600.0 * fly(drop, 2.0)[1][::step, :2]
+    seen = seen + np.random.default_rng(1).normal(0.0, 0.3, seen.shape)
+    frames = np.arange(len(seen), dtype=float)
+    of = replace(table(seen), frames=frames, times_s=frames * step * STEP_S)
+    with pytest.raises(ShotRefusedError, match="no four places"):
+        measured(of)
+
+
 def test_a_ball_that_is_held_for_longer_than_it_flies_is_measured() -> None:
     places = flown()
     rng = np.random.default_rng(6)
