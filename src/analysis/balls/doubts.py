@@ -88,8 +88,8 @@ def _far_from_flights(flights: Flights) -> Iterator[str]:
 
 
 def leaning(flights: Flights) -> Iterator[str]:
-    """Say how a plate leans that is not level, as several bounces show or as is stated."""
-    if flights.leans:
+    """Say how a plate leans that is not level, as several bounces show."""
+    if flights.leans and flights.bounces > 1:
         size, sigma = math.degrees(abs(flights.lean)), math.degrees(flights.lean_sigma)
         lean = Quantity(size, sigma, "deg")
         yield (

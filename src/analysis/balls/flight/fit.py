@@ -11,9 +11,17 @@ from numpy.typing import NDArray
 from analysis.arrays import Floats
 from analysis.balls.flight import path
 from analysis.balls.flight.describing import described
-from analysis.balls.flight.flights import LARGE_CHI2, LEAST_PLACES, SURE, Flights, Observed, Start
+from analysis.balls.flight.flights import (
+    LARGE_CHI2,
+    LEAST_PLACES,
+    SURE,
+    Flights,
+    Ints,
+    Observed,
+    Start,
+)
 from analysis.balls.flight.known import Known
-from analysis.balls.flight.problem import Problem
+from analysis.balls.flight.problem import LASTS_SIGMAS, Problem
 from analysis.balls.flight.solving import solve
 
 ROUNDS, AGAIN = 6, 3
@@ -69,7 +77,7 @@ def fit_flights(
     if leaning is not None and (before is None or before.leans):
         own = before if before is not None and before.bounces == len(start.times_s) else None
         found = _fit(observed, leaning, known, own, other_falls=other_falls)
-        if found is not None and found.bounces > 1 and found.leans:
+        if found is not None and found.bounces > 1 and found.leans and not found.doubt:
             return found
     return _fit(observed, start, known, before, other_falls=other_falls)
 
@@ -194,10 +202,12 @@ def _settle(problem: Problem, *, again: bool) -> Flights:
     used = clear
     for round_ in range(ROUNDS - AGAIN if again else 0, ROUNDS):
         arcs, clear = problem.assign(values)
+        clear = _off_contacts(problem, values, arcs, clear)
         used = clear & inlier
         loose = problem.free.copy()
         if round_ == 0:
-            loose[[path.DRAG, path.ROW_TIME, path.PERSPECTIVE, path.STAY, path.TILT]] = False
+            loose[[path.DRAG, path.ROW_TIME, path.PERSPECTIVE, path.TILT]] = False
+            loose[path.STAY] &= problem.sees_contacts
             loose[[path.BIAS, path.BARREL, path.SHORTENING, path.ASLANT, path.OUTLINE]] = False
             loose[[path.DEPTH, *range(path.COMMON + 2, len(values), path.EACH)]] = False
         soft = round_ < ROUNDS - 1
@@ -208,6 +218,25 @@ def _settle(problem: Problem, *, again: bool) -> Flights:
         enlarge = _spreads(scaled, used, problem.near(found))
         inlier = np.abs(scaled / enlarge).max(axis=1) < OUTLIER
     return described(problem, values, (arcs, used, enlarge))
+
+
+def _off_contacts(
+    problem: Problem, values: Floats, arcs: Ints, clear: NDArray[np.bool_]
+) -> NDArray[np.bool_]:
+    """Return which places are off any contact that may be, whatever it comes out to last.
+
+    A fast camera sees a ball in contact in many frames, in which it does not fly, and a fit that
+    takes them for flight finds no contact in them. Of a slow one, and where a flight would lose
+    more than half of its places, all that are clear of contacts as they are fitted.
+    """
+    if not problem.sees_contacts:
+        return clear
+    off = problem.assign(values, LASTS_SIGMAS * float(problem.prior_sigma[path.STAY]))[1]
+    for arc in range(problem.bounces + 1):
+        own = arcs == arc
+        if (off & own).sum() < max(LEAST_PLACES, 0.5 * (clear & own).sum()):
+            return clear
+    return off
 
 
 def _spreads(scaled: Floats, used: NDArray[np.bool_], near: NDArray[np.bool_]) -> Floats:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from analysis.arrays import Floats
 from analysis.balls.flight import path
 from analysis.balls.flight.drift import drift
-from analysis.balls.flight.flights import Flights, Ints, Observed, Start
+from analysis.balls.flight.flights import LEAST_PLACES, Flights, Ints, Observed, Start
 from analysis.balls.flight.known import (
     BARREL_SIGMA,
     LEVEL_SIGMA,
@@ -59,6 +60,8 @@ SIZES_OFF = 4.0
 a codec has been at are then a shadow's beside the ball, or a smear's."""
 MOST_SIGMAS = 2.0
 """Of a camera's tilt and of a ball's speeds along the line of sight, beyond which they are none."""
+LASTS_SIGMAS = 2.0
+"""Of what is known of contacts' durations: so long one may last before and after a first guess."""
 FURTHEST_UNITS = 1e4
 """From where a fit begins to what is far beyond belief: a hundred times a speed."""
 BARE_SHARE = 0.02
@@ -121,7 +124,7 @@ class Problem:
         if observed.bare:
             receding *= BARE_SHARE
         know(path.DEPTH, 0.0, receding)
-        self.begin = self._begin(start)
+        self.begin = self._begin(self._off_contacts(start) if self.sees_contacts else start)
         self.plate, self.radius_px = np.median(start.places, axis=0), known.radius_px
         high = ~self.near(observed.places)
         by_sizes = drift(observed, start.times_s, high, known)
@@ -146,6 +149,11 @@ class Problem:
         self.prior_sigma[unknown] = FURTHEST_UNITS * self.units[unknown]
         self.free = self.prior_sigma > 0
         self.exposure = view.exposure_s
+
+    @property
+    def sees_contacts(self) -> bool:
+        """Return whether contacts may last longer than the time between frames."""
+        return self.view.period_s < LASTS_SIGMAS * float(self.prior_sigma[path.STAY])
 
     def beyond(self, values: Floats) -> tuple[Floats, Floats]:
         """Return by how much tilt and speeds along the line of sight are beyond belief, in errors.
@@ -179,6 +187,28 @@ class Problem:
             told[k + 1 : -1, path.COMMON + path.EACH * k + 2] = 1.0
         told[-1, path.PERSPECTIVE] = 1.0
         return told
+
+    def _off_contacts(self, start: Start) -> Start:
+        """Return the same bounces with speeds by places that are off any contact that may be.
+
+        Speeds that a search finds are those of frames beside a bounce, in which a fast camera shows
+        the ball in contact.
+        """
+        far = LASTS_SIGMAS * float(self.prior_sigma[path.STAY])
+        fall = math.exp(self.prior[path.FALL]) if start.fall is None else start.fall
+        speeds = np.stack([start.before, start.after])
+        ends = np.concatenate([[-np.inf], start.times_s, [np.inf]])
+        times = self.observed.times_s
+        for k, contact in enumerate(start.times_s):
+            for side, (begin, end) in enumerate(((ends[k], contact), (contact, ends[k + 2]))):
+                own = (times > begin + far) & (times < end - far)
+                if own.sum() < LEAST_PLACES:
+                    continue
+                since = times[own] - contact
+                flown = self.observed.places[own] - 0.5 * np.outer(since**2, [fall, 0.0])
+                design = np.stack([np.ones(len(since)), since], axis=1)
+                speeds[side, k] = np.linalg.lstsq(design, flown, rcond=None)[0][1]
+        return replace(start, before=speeds[0], after=speeds[1])
 
     def _begin(self, start: Start) -> Floats:
         values = np.where(np.isfinite(self.prior), self.prior, 0.0)
@@ -267,14 +297,20 @@ class Problem:
         path.places(self.natural(level), self.times(values), arcs, bare, contacts)
         return np.asarray(self.predict(values, arcs)[0][:, :2] - bare[:, :2])
 
-    def assign(self, values: Floats) -> tuple[Ints, NDArray[np.bool_]]:
-        """Return which flight each place belongs to, and which lie clear of all contacts."""
+    def assign(self, values: Floats, beside_s: float = 0.0) -> tuple[Ints, NDArray[np.bool_]]:
+        """Return which flight each place belongs to, and which lie clear of all contacts.
+
+        Parameters
+        ----------
+        beside_s
+            Time before and after a contact in which no place counts, beside that of the exposure.
+        """
         times = self.times(values)
         arcs = np.zeros(len(times), dtype=np.intp)
         _, contacts = self.predict(values, arcs)
         begins = contacts[:, 0]
         arcs = np.searchsorted(begins, times).astype(np.intp)
-        near = 0.5 * self.exposure + MARGIN * self.view.period_s
+        near = 0.5 * self.exposure + MARGIN * self.view.period_s + beside_s
         clear = np.ones(len(times), dtype=bool)
         stay = max(0.0, float(values[path.STAY]))
         for begin in begins:

@@ -94,7 +94,7 @@ def test_of_one_bounce_the_lean_is_that_which_is_stated() -> None:
     assert "or the surface leans by some" in notes(unsaid)
     stated, ((e, sigma),) = measured(table, Ball(0.04, density=7800.0, plate_lean=lean))
     assert e == pytest.approx(E, abs=4 * sigma)
-    assert "leans by 15" in notes(stated)
+    assert "leans" not in notes(stated)
 
 
 def test_a_stated_normal_says_how_the_plate_leans() -> None:
