@@ -218,7 +218,8 @@ def places(
                 found[n, 2] = depth + receding * (at - begun)
         state[:] = start
         pull = forces[0] * normal_down + forces[1] * normal_across
-        guess = 2.0 * contacts[k, 3] / max(pull, 1e-9)
+        # Too long rather than too short: from there Newton's steps do not end at the bounce before.
+        guess = 2.0 * max(away, contacts[k, 3]) / max(pull, 1e-9)
         lasted = _meet(state, values[TILT], min(max(guess, SHORTEST_S), longest), forces)
         begun += lasted
         depth += receding * lasted

@@ -1,4 +1,4 @@
-"""A ball that a fast camera sees in contact: frames in which it does not fly count for no flight."""
+"""A ball in contact before a fast camera: frames in which it does not fly count for no flight."""
 
 from __future__ import annotations
 
