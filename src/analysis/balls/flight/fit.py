@@ -41,6 +41,8 @@ OPEN = 10.0
 """Standard error of a logarithm of which nothing is known."""
 
 
+# Numbers that are tried on the way may run beyond all others: what comes of them does not count.
+@np.errstate(over="ignore", invalid="ignore")
 def fit_flights(
     observed: Observed,
     start: Start,
