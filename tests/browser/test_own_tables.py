@@ -88,6 +88,7 @@ def test_bounces_that_were_heard_give_e_without_a_picture(page: Page, served: Se
     visit(page, f"{served.url}/own")
     page.locator("input[type=file]").set_input_files(heard)
     expect(page.get_by_test_id("own-track")).to_contain_text("times of 7 bounces")
+    expect(page.get_by_test_id("fps")).to_be_hidden()
     type_in(page.get_by_test_id("ball-diameter-mm"), "40")
     type_in(page.get_by_test_id("ball-mass-g"), "200")
     page.get_by_test_id("own-measure").click()

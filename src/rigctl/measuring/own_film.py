@@ -193,7 +193,7 @@ def look_job(asked: Json, progress: Progress) -> Json:
 
 
 def table_job(asked: Json, progress: Progress) -> Json:
-    """Say in words what a table of places or of bounces holds, and whether it states times.
+    """Say in words what a table holds, whether it states times, and whether bounces were heard.
 
     `path` is the table.
     """
@@ -202,7 +202,8 @@ def table_job(asked: Json, progress: Progress) -> Json:
     try:
         if is_table_of_bounces(path):
             heard = int(np.isfinite(read_bounce_times(path).times_s).sum())
-            return {"said": f"times of {counted(heard, 'bounce')} that were heard", "timed": True}
+            said = f"times of {counted(heard, 'bounce')} that were heard"
+            return {"said": said, "timed": True, "heard": True}
         table = read_track_table(path)
     except InputError as error:
         raise AnalysisInputError(error.reason, part=path.name) from error
@@ -210,7 +211,7 @@ def table_job(asked: Json, progress: Progress) -> Json:
     said = f"{counted(len(table.places), 'place')} of {counted(things, 'thing')}, " + (
         "with times" if table.states_times else "without times"
     )
-    return {"said": said, "timed": table.states_times}
+    return {"said": said, "timed": table.states_times, "heard": False}
 
 
 def measure_job(asked: Json, progress: Progress) -> Json:

@@ -60,7 +60,7 @@ class TrackView:
             "Its mass, g (if known)", "ball-mass-g", "then the air's drag is known", MASSES
         )
         self._rate = number("Frames a second, if not the table's", "fps", "of the camera", RATES)
-        ui.label(
+        self._scale = ui.label(
             "The scale is that of the fall; a length that the tracker was told is compared with it."
         ).classes("note")
         for each in (self._diameter, self._mass, self._rate):
@@ -90,6 +90,10 @@ class TrackView:
         fields = (self._diameter, self._mass, self._rate)
         timed = answer is not None and (answer["timed"] or self._rate.value is not None)
         known = self._diameter.value is not None
+        # Bounces that were heard have no camera, and no lengths.
+        seen = answer is None or not answer["heard"]
+        self._rate.field.set_visibility(seen)
+        self._scale.set_visibility(seen)
         self.ready = timed and known and all(field.valid for field in fields)
         self._head.refresh()
 
