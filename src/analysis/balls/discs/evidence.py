@@ -2,8 +2,8 @@
 
 Gradients that point to a centre are no rim yet: those of a soft blotch do everywhere in it, a
 cluttered ground has some at each circle's side, and heads, fingertips and elbows have a long round
-piece of outline. What tells them from balls is told by no single limit without losing balls: the
-terms here are weighed together, as logarithms of odds.
+piece of outline. A limit on one of these alone would lose balls: the terms here are weighed
+together, as logarithms of odds.
 """
 
 from __future__ import annotations
