@@ -101,7 +101,7 @@ def leaning(flights: Flights) -> Iterator[str]:
 
 def pushed_aside(flights: Flights) -> Iterator[str]:
     """Say where a ball leaves its plate sideways faster than it came: by spin, or as that leans."""
-    if flights.leans:
+    if flights.leans and flights.bounces > 1:
         return
     for bounce, (_, came, beside, left, aside, _) in enumerate(flights.contacts.tolist()):
         gained = abs(aside) - abs(beside)
@@ -111,8 +111,8 @@ def pushed_aside(flights: Flights) -> Iterator[str]:
             yield (
                 f"bounce {bounce + 1}, {_before(flights, bounce)}, leaves along the surface at "
                 f"{abs(aside) / scale:.2f} m/s, faster than it came ({abs(beside) / scale:.2f}): "
-                f"the ball spins, or the surface leans by some {lean:.0f} degrees; e takes it for "
-                "level or plumb within 0.01 rad, and is off if it is not; state how a plate lies "
+                f"the ball spins, or the surface leans by some {lean:.0f} degrees; e takes it "
+                "to lie as stated, else level or plumb, within 0.01 rad, and is off if it does not "
                 "(spheres.normal in a campaign.toml, --setup)"
             )
 

@@ -7,8 +7,6 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
@@ -19,13 +17,14 @@ from analysis.balls.films.film import Picture
 from analysis.balls.measuring import MeasuredBall
 from analysis.figures.flights import (
     contacts,
+    dots,
     draw_coefficients,
     draw_residuals,
     legend,
-    mark,
     number_bounces,
     pieces,
     ring,
+    sheet,
 )
 from analysis.figures.palette import FAILS, GREY, MEASURED, SPHERE_A
 
@@ -41,10 +40,7 @@ def draw_ball_film(path: Path, title: str, film: AnalysedFilm) -> None:
     One frame with the ball's places, fitted flights and bounces drawn over it; the course of its
     row in time; what is left of the places beside the flights; e of each bounce.
     """
-    figure = Figure(figsize=(13.2, 7.6), dpi=110, layout="constrained")
-    FigureCanvasAgg(figure)
-    figure.suptitle(title, x=0.01, ha="left", fontsize=14, fontweight="bold")
-    grid = figure.add_gridspec(3, 2, width_ratios=[1.0, 1.4])
+    figure, grid = sheet(title)
     _over_a_frame(figure.add_subplot(grid[:, 0]), film)
     _course(figure.add_subplot(grid[0, 1]), film)
     beside = figure.add_subplot(grid[1, 1])
@@ -91,13 +87,9 @@ def _over_a_frame(axes: Axes, film: AnalysedFilm) -> None:
 def _dots(axes: Axes, measured: MeasuredBall, across: Floats, colour: str) -> None:
     """Draw the ball's rows against something; crosses are places that do not count."""
     rows = measured.placed.places[:, 0]
-    counts = np.ones(len(rows), dtype=bool)
-    if measured.flights is not None:
-        counts = measured.flights.used
-    mark(axes, (across[counts], rows[counts]), 7.0, color=colour, lw=0, label="places")
-    if not counts.all():
-        out = across[~counts], rows[~counts]
-        mark(axes, out, 14.0, marker="x", color=GREY, lw=0.8, label="left out")
+    every = np.ones(len(rows), dtype=bool)
+    counts = every if measured.flights is None else measured.flights.used
+    dots(axes, (across, rows), counts, colour)
 
 
 def _visible(picture: Picture) -> NDArray[np.float64]:

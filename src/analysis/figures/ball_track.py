@@ -8,8 +8,6 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
 from analysis.arrays import Floats
 from analysis.balls.document import Json
@@ -17,15 +15,16 @@ from analysis.balls.flight.flights import Flights
 from analysis.balls.tracks.measuring import MeasuredTrack
 from analysis.figures.flights import (
     contacts,
+    dots,
     draw_coefficients,
     draw_residuals,
     legend,
-    mark,
     number_bounces,
     pieces,
     ring,
+    sheet,
 )
-from analysis.figures.palette import FAILS, GREY, MEASURED
+from analysis.figures.palette import FAILS
 
 MILLI = 1e3
 """Millimetres of a metre."""
@@ -37,10 +36,7 @@ def draw_ball_track(path: Path, title: str, track: MeasuredTrack, document: Json
     The ball's way with flights and bounces; its height in time; what is left of the places beside
     the flights; e of each bounce, as the document of the table has it.
     """
-    figure = Figure(figsize=(13.2, 7.6), dpi=110, layout="constrained")
-    FigureCanvasAgg(figure)
-    figure.suptitle(title, x=0.01, ha="left", fontsize=14, fontweight="bold")
-    grid = figure.add_gridspec(3, 2, width_ratios=[1.0, 1.4])
+    figure, grid = sheet(title)
     every = [track.flights, *track.beside]
     metres = _Metres.of(every)
     _way(figure.add_subplot(grid[:, 0]), every, metres)
@@ -76,7 +72,7 @@ class _Metres:
 def _way(axes: Axes, every: Sequence[Flights], metres: _Metres) -> None:
     for flights in every:
         places = flights.observed.places
-        _dots(axes, flights, metres.across(places), metres.up(places))
+        dots(axes, (metres.across(places), metres.up(places)), flights.used)
         for times, arcs in pieces(flights):
             along = flights.at(times, arcs)
             axes.plot(metres.across(along), metres.up(along), color=FAILS, lw=0.8)
@@ -90,7 +86,8 @@ def _way(axes: Axes, every: Sequence[Flights], metres: _Metres) -> None:
 def _heights(axes: Axes, every: Sequence[Flights], metres: _Metres) -> None:
     marks: list[tuple[float, float]] = []
     for flights in every:
-        _dots(axes, flights, flights.observed.times_s, metres.up(flights.observed.places))
+        heights = metres.up(flights.observed.places)
+        dots(axes, (flights.observed.times_s, heights), flights.used)
         for times, arcs in pieces(flights):
             way = flights.at(times, arcs)
             clock = times - flights.row_delay(way)
@@ -101,12 +98,3 @@ def _heights(axes: Axes, every: Sequence[Flights], metres: _Metres) -> None:
     number_bounces(axes, marks)
     legend(axes)
     axes.set_ylabel("height, m")
-
-
-def _dots(axes: Axes, flights: Flights, across: Floats, up: Floats) -> None:
-    """Draw places against something; crosses are those that do not count."""
-    used = flights.used
-    mark(axes, (across[used], up[used]), 7.0, color=MEASURED, lw=0, label="places")
-    if not used.all():
-        out = across[~used], up[~used]
-        mark(axes, out, 14.0, marker="x", color=GREY, lw=0.8, label="left out")

@@ -8,6 +8,9 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.gridspec import GridSpec
 from numpy.typing import NDArray
 
 from analysis.arrays import Floats
@@ -19,6 +22,25 @@ from analysis.quantity import Quantity
 POINTS = 60
 LABEL_WIDTH, LABEL_HEIGHT = 70.0, 10.0
 """Of the number and e of a bounce, in points."""
+
+
+def sheet(title: str) -> tuple[Figure, GridSpec]:
+    """Return a figure with a title, and its grid: one column for a way, one for three courses."""
+    figure = Figure(figsize=(13.2, 7.6), dpi=110, layout="constrained")
+    FigureCanvasAgg(figure)
+    figure.suptitle(title, x=0.01, ha="left", fontsize=14, fontweight="bold")
+    return figure, figure.add_gridspec(3, 2, width_ratios=[1.0, 1.4])
+
+
+def dots(
+    axes: Axes, places: tuple[Floats, Floats], counts: NDArray[np.bool_], colour: str = MEASURED
+) -> None:
+    """Draw places against something, each shape (N,); crosses are those that do not count."""
+    across, up = places
+    mark(axes, (across[counts], up[counts]), 7.0, color=colour, lw=0, label="places")
+    if not counts.all():
+        out = across[~counts], up[~counts]
+        mark(axes, out, 14.0, marker="x", color=GREY, lw=0.8, label="left out")
 
 
 def pieces(flights: Flights) -> list[tuple[Floats, NDArray[np.intp]]]:

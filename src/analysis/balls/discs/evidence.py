@@ -25,7 +25,7 @@ from analysis.balls.discs.gradient import (
     window_about,
 )
 from analysis.balls.discs.judging import SECTORS, sectors
-from analysis.balls.discs.waves import least_sum
+from analysis.balls.discs.least_sum import least_sum
 from analysis.compiled import compiled, part
 
 RADIUS_PX, NARROW_PX = 40.0, 60.0

@@ -15,7 +15,7 @@ from analysis.balls.discs.gradient import (
     size_along,
     window_about,
 )
-from analysis.balls.discs.waves import least_sum
+from analysis.balls.discs.least_sum import least_sum
 from analysis.compiled import compiled
 
 FOLDS = (4, 5, 6, 7, 8)
