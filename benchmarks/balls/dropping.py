@@ -1,4 +1,4 @@
-"""The law of a drawn film: flight with quadratic drag, hard contacts, e that depends on speed."""
+"""The law of a drawn film: flight with quadratic drag, contacts, e that depends on speed."""
 
 from __future__ import annotations
 
@@ -31,6 +31,9 @@ class Drop:
         Of the floor against the horizontal, rad: things on it run to greater x.
     wall
         Place x of a plumb wall that the ball is thrown at, and its e; None: there is none.
+    contact_s
+        How long a bounce off the floor lasts: half a sine of a spring that the ball is pressed
+        into, which does not depend on speed.
     """
 
     diameter: float
@@ -42,6 +45,7 @@ class Drop:
     grip: float
     lean: float = 0.0
     wall: tuple[float, float] | None = None
+    contact_s: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,9 +71,14 @@ def fly(drop: Drop, lasts: float) -> tuple[Floats, Floats, list[Bounce]]:
     places = np.empty((count, 3))
     x, v = drop.start.astype(float).copy(), drop.speed.astype(float).copy()
     down = GRAVITY * np.array([np.sin(drop.lean), -np.cos(drop.lean), 0.0])
-    bounces = []
+    bounces: list[Bounce] = []
     for n in range(count):
         places[n] = x
+        if bounces and (since := n * STEP_S - bounces[-1].time) < drop.contact_s:
+            deep = bounces[-1].v_n * drop.contact_s / np.pi
+            places[n, 1] -= deep * np.sin(np.pi * since / drop.contact_s)
+            x[[0, 2]] += STEP_S * v[[0, 2]]
+            continue
         middle = v + 0.5 * STEP_S * (down - k * np.sqrt(v @ v) * v)
         change = down - k * np.sqrt(middle @ middle) * middle
         ahead = x + STEP_S * middle

@@ -14,6 +14,7 @@ import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -138,9 +139,13 @@ def heard(drop: Drop, seed: int) -> tuple[str, list[Bounce]]:
 
 
 def pulls(
-    text: str, name: str, stated: tuple[Ball, float | None], truth: Sequence[Bounce]
+    text: str,
+    name: str,
+    stated: tuple[Ball, float | None],
+    truth: Sequence[Bounce],
+    of: Literal["e", "v_n"] = "e",
 ) -> tuple[list[float], int]:
-    """Return the pulls of e of one table's bounces, and how many of its bounces were not found."""
+    """Return the pulls of e, or of speeds before, of one table, and how many bounces it lacks."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / name
         path.write_text(text, encoding="utf-8")
@@ -152,7 +157,7 @@ def pulls(
     off = []
     for each in found:
         true = min(truth, key=lambda bounce: abs(bounce.time - each["contact_time_s"]))
-        off.append((each["e"]["value"] - true.e) / each["e"]["sigma"])
+        off.append((abs(each[of]["value"]) - getattr(true, of)) / each[of]["sigma"])
     return off, max(0, len(truth) - len(found))
 
 
@@ -182,6 +187,54 @@ def on_a_leaning_plate(drawn: Scene, seed: int) -> tuple[Scene, float]:
     start = drop.start - [0.3 * width * np.sign(lean), 0.0, 0.0]
     leaning = replace(drop, start=start, speed=0.3 * drop.speed, lean=lean)
     return (stage, leaning, replace(camera, readout_s=0.0), frames), rng.choice([0.0, lean])
+
+
+COMMON = {
+    "table tennis": (0.040, 0.0027, 0.7e-3, 0.89),
+    "squash": (0.040, 0.024, 4.0e-3, 0.45),
+    "golf": (0.0427, 0.0459, 0.5e-3, 0.80),
+    "rubber": (0.027, 0.011, 1.3e-3, 0.85),
+    "glass": (0.016, 0.0054, 0.05e-3, 0.75),
+    "steel": (0.020, 0.0327, 0.05e-3, 0.70),
+    "tennis": (0.067, 0.0577, 5.0e-3, 0.74),
+    "baseball": (0.0735, 0.145, 1.0e-3, 0.55),
+    "foam": (0.070, 0.014, 6.0e-3, 0.60),
+    "football": (0.220, 0.430, 9.0e-3, 0.78),
+    "basketball": (0.242, 0.62, 13.0e-3, 0.80),
+    "handball": (0.190, 0.45, 14.0e-3, 0.70),
+}
+"""Diameter in m, mass in kg, and how long contacts last, s, with e at 4 m/s: of the sports' rules,
+measurements and, of balls full of air, their pressure."""
+
+
+def of_a_common_ball(kind: str, seed: int) -> tuple[Scene, Ball]:
+    """Return a flight of a ball of one kind before a camera, and what a person may state of it."""
+    stage, drop, camera, _ = scene("8 bits", seed)
+    rng = np.random.default_rng([11, seed, list(COMMON).index(kind)])
+    diameter, mass, contact_s, e = COMMON[kind]
+    high = rng.uniform(0.5, 1.5)
+    start = np.array([0.0, high + 0.5 * diameter, 0.0])
+    away = 3.0 * high
+    stage = replace(
+        stage,
+        focal_px=0.85 * stage.size[0] * away / high,
+        eye=np.array([0.0, 0.5 * high, -away]),
+        look_down=0.0,
+    )
+    drop = replace(
+        drop,
+        diameter=diameter,
+        mass=mass,
+        drag_coefficient=rng.normal(0.47, 0.03),
+        start=start,
+        speed=np.array([rng.normal(0.0, 0.1), 0.0, rng.normal(0.0, 0.05)]),
+        restitution=(e + 0.12, 0.03, 1.0),
+        contact_s=contact_s * rng.uniform(0.8, 1.2),
+    )
+    rate = rng.choice([30.0, 60.0, 120.0, 240.0, 480.0, 960.0])
+    camera = replace(camera, rate_hz=rate, readout_s=0.0)
+    density = mass / (math.pi / 6 * diameter**3) if rng.uniform() < 0.5 else None
+    return (stage, drop, camera, int(rate * rng.uniform(1.2, 2.0))), Ball(diameter, density=density)
 
 
 def turned(seen: Seen, angle: float) -> Seen:
@@ -248,6 +301,18 @@ def main() -> None:
                 text, "Energy.csv", (Ball(drop.diameter, density=density), None), between
             )
             every.setdefault("phyphox", []).extend(off)
+    for kind in COMMON:
+        for seed in range(given.first, given.first + given.tables):
+            drawn, ball = of_a_common_ball(kind, seed)
+            seen, bounces = tracked(drawn, seed)
+            off, _ = pulls(of_trackmate(seen), "table.csv", (ball, None), bounces)
+            fast, _ = pulls(of_trackmate(seen), "table.csv", (ball, None), bounces, "v_n")
+            every.setdefault(f"e of {kind}", []).extend(off)
+            every.setdefault("e of common balls", []).extend(off)
+            every.setdefault("v_n of common balls", []).extend(fast)
+            shown = " ".join(f"{one:+.2f}" for one in off)
+            weighed = "known" if ball.density else "unknown"
+            print(f"{kind} {seed} at {seen.rate_hz:.0f}/s, mass {weighed}: pulls {shown}")
     for name, off in every.items():
         print(
             f"{name}: {len(off)} bounces, pull {np.sqrt(np.mean(np.square(off))):.2f} rms, "

@@ -21,7 +21,7 @@ from analysis.balls.flight.flights import (
     Start,
 )
 from analysis.balls.flight.known import Known
-from analysis.balls.flight.problem import LASTS_SIGMAS, Problem
+from analysis.balls.flight.problem import Problem
 from analysis.balls.flight.solving import solve
 
 ROUNDS, AGAIN = 6, 3
@@ -233,7 +233,7 @@ def _off_contacts(
     """
     if not problem.sees_contacts:
         return clear
-    off = problem.assign(values, LASTS_SIGMAS * float(problem.prior_sigma[path.STAY]))[1]
+    off = problem.assign(values, problem.longest_contact_s)[1]
     for arc in range(problem.bounces + 1):
         own = arcs == arc
         if (off & own).sum() < max(LEAST_PLACES, 0.5 * (clear & own).sum()):

@@ -39,8 +39,6 @@ FRICTION_LEAVES = 3.0 / 5.0
 READOUT_SHARE = 0.5, 0.3
 """Of the time between frames: the middle and the spread of what rolling shutters take to read a
 frame."""
-STAY_S = 5e-4
-"""Times of contact of balls of 20 mm and 1 m/s: from hard ones' 0.05 ms to soft ones' 2 ms."""
 SHORTENING, SHORTENING_SIGMA = 0.15, 0.1
 """Power of the approach speed by which contacts last shorter: solid balls have 1/5, linear springs,
 and balls that are full of air, hardly any."""

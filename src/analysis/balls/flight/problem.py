@@ -12,6 +12,7 @@ from analysis.arrays import Floats
 from analysis.balls.flight import path
 from analysis.balls.flight.drift import drift
 from analysis.balls.flight.flights import LEAST_PLACES, Flights, Ints, Observed, Start
+from analysis.balls.flight.kinds import contact_time
 from analysis.balls.flight.known import (
     BARREL_SIGMA,
     LEVEL_SIGMA,
@@ -20,7 +21,6 @@ from analysis.balls.flight.known import (
     SHORTENING,
     SHORTENING_SIGMA,
     SMEAR_SIGMA,
-    STAY_S,
     Known,
 )
 
@@ -111,7 +111,7 @@ class Problem:
         per_focal = view.per_focal(self.scale)
         know(path.PERSPECTIVE, 0.0, LOOK_SIGMA * per_focal)
         know(path.ROLL, 0.0, ROLL_SIGMA)
-        know(path.STAY, 0.0, STAY_S * ball.diameter_m / 0.02)
+        know(path.STAY, *contact_time(ball))
         know(path.SHORTENING, SHORTENING, SHORTENING_SIGMA)
         for index, middle in zip(path.PRINCIPAL, view.principal(), strict=True):
             know(index, middle, 0.0)
@@ -155,6 +155,11 @@ class Problem:
         """Return whether contacts may last longer than the time between frames."""
         return self.view.period_s < LASTS_SIGMAS * float(self.prior_sigma[path.STAY])
 
+    @property
+    def longest_contact_s(self) -> float:
+        """Return how long a contact may last, by what is known of it."""
+        return float(self.prior[path.STAY] + LASTS_SIGMAS * self.prior_sigma[path.STAY])
+
     def beyond(self, values: Floats) -> tuple[Floats, Floats]:
         """Return by how much tilt and speeds along the line of sight are beyond belief, in errors.
 
@@ -194,7 +199,7 @@ class Problem:
         Speeds that a search finds are those of frames beside a bounce, in which a fast camera shows
         the ball in contact.
         """
-        far = LASTS_SIGMAS * float(self.prior_sigma[path.STAY])
+        far = self.longest_contact_s
         fall = math.exp(self.prior[path.FALL]) if start.fall is None else start.fall
         speeds = np.stack([start.before, start.after])
         ends = np.concatenate([[-np.inf], start.times_s, [np.inf]])

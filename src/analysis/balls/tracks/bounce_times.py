@@ -16,7 +16,8 @@ from scipy.optimize import brentq
 
 from analysis.arrays import Floats
 from analysis.balls.document import Json, unseen
-from analysis.balls.flight.known import STAY_S, Ball
+from analysis.balls.flight.kinds import contact_time
+from analysis.balls.flight.known import Ball
 from analysis.balls.tracks.cells import NONE, read_lines, split
 from analysis.balls.tracks.columns import BOUNCE, SECONDS
 from analysis.errors import InputError, ShotRefusedError, counted
@@ -137,11 +138,11 @@ def bounce_document(bounces: BounceTimes, ball: Ball) -> Json:
         )
     drag, drag_spread = ball.drag_per_m()
     drag_sigma = _of_a_factor(drag_spread)
-    stay = STAY_S * ball.diameter_m / 0.02
+    stay, stay_sigma = contact_time(ball)
     impacts = []
     for k in (np.flatnonzero(between) + 1).tolist():
-        known = np.array([*times[k - 1 : k + 2], math.log(drag), 0.0])
-        sigmas = np.array([HEARD_S, HEARD_S, HEARD_S, drag_sigma, stay])
+        known = np.array([*times[k - 1 : k + 2], math.log(drag), stay])
+        sigmas = np.array([HEARD_S, HEARD_S, HEARD_S, drag_sigma, stay_sigma])
         found = _speeds(known, ball.gravity)
         slopes = np.stack(
             [

@@ -12,7 +12,7 @@ import pytest
 from analysis.balls.flight import path
 from analysis.balls.flight.fit import fit_flights
 from analysis.balls.flight.flights import Flights, Observed, Start
-from analysis.balls.flight.kinds import KINDS, told_drag
+from analysis.balls.flight.kinds import KINDS, contact_time, told_drag
 from analysis.balls.flight.known import Ball, Known, View
 
 GRAVITY, AIR, DRAG = 9.80665, 1.2, 0.47
@@ -86,7 +86,7 @@ def test_flights_with_the_prior_say_what_they_say_with_all_kinds(
         return best, ((best / said[1]) ** 2 + spread**-2) ** -0.5
 
     kinds = [kind for kind in KINDS if kind.least_m <= diameter <= kind.most_m]
-    assert len(kinds) == 2
+    assert len(kinds) >= 2
     likely = np.zeros(len(logs))
     for kind in kinds:
         middle = math.log(0.75 * AIR * DRAG / (kind.density * diameter))
@@ -125,3 +125,72 @@ def test_a_ball_of_40_mm_whose_flights_say_nothing_may_be_full_of_air_or_solid(
 def test_a_ball_of_a_size_of_no_special_kind_keeps_what_is_believed_of_any() -> None:
     ball = Ball(0.02)
     assert told_drag(ball, cast("Flights", None), ball.drag_per_m()) == ball.drag_per_m()
+
+
+LASTS_S = {
+    "table tennis": 0.8e-3,
+    "squash": 4e-3,
+    "golf": 0.45e-3,
+    "steel": 0.05e-3,
+    "tennis": 5e-3,
+    "football": math.pi * math.sqrt(0.430 / (2 * math.pi * 0.110 * 0.8e5)),
+    "handball": math.pi * math.sqrt(0.450 / (2 * math.pi * 0.095 * 0.4e5)),
+}
+"""Contacts: measured ones of sports, and half a period of a shell of mass and pressure."""
+
+
+@pytest.mark.parametrize("weighed", [True, False])
+@pytest.mark.parametrize("kind", LASTS_S)
+def test_contacts_of_common_balls_are_as_long_as_is_known_beforehand(
+    kind: str, weighed: bool
+) -> None:
+    diameter, mass = BALLS[kind]
+    density = mass / (math.pi / 6 * diameter**3) if weighed else None
+    middle, sigma = contact_time(Ball(diameter, density=density))
+    assert abs(LASTS_S[kind] - middle) < 2.5 * sigma
+
+
+def test_a_hard_ball_of_the_size_of_a_football_is_none_that_is_full_of_air() -> None:
+    assert contact_time(Ball(0.22, density=7000.0)) == pytest.approx((0.0, 5.5e-3), abs=1e-4)
+
+
+@pytest.mark.parametrize("weighed", [True, False])
+def test_a_tennis_ball_comes_as_fast_as_it_does_though_its_contact_lasts(weighed: bool) -> None:
+    # In a vacuum: two bounces of 5 ms, parabolas between them.
+    rate, scale, lasts, sigma = 480.0, 400.0, 5e-3, 0.3
+    came, left = (3.0, 2.2), (2.2, 1.6)
+    begins = 0.3, 0.3 + lasts + 2 * left[0] / GRAVITY
+    times = np.arange(0.0, begins[1] + 0.3, 1 / rate)
+    down = np.zeros(len(times))
+    flown = np.full(len(times), True)
+    for k, (begin, until) in enumerate(((-1.0, begins[0]), (begins[0] + lasts, begins[1]))):
+        since = times - (begins[0] if k == 0 else begin)
+        speed = came[0] if k == 0 else -left[0]
+        own = (times > begin) & (times < until)
+        down[own] = (speed * since + GRAVITY * since**2 / 2)[own]
+    last = times > begins[1] + lasts
+    since = times - begins[1] - lasts
+    down[last] = (-left[1] * since + GRAVITY * since**2 / 2)[last]
+    for begin in begins:
+        flown &= ~((times > begin - 1 / rate) & (times < begin + lasts + 1 / rate))
+    places = np.stack([600.0 + scale * down, np.full(len(times), 150.0)], axis=1)
+    places += sigma * np.random.default_rng(5).standard_normal(places.shape)
+    kept = np.flatnonzero(flown)
+    seen = Observed(kept, times[kept], places[kept], np.full((len(kept), 2), sigma))
+    level = np.zeros(2)
+    start = Start(
+        np.array(begins),
+        np.full((2, 2), [600.0, 150.0]),
+        scale * np.stack([came, level], axis=1),
+        -scale * np.stack([left, level], axis=1),
+    )
+    density = 370.0 if weighed else None
+    ball = Ball(0.067, density=density, air_density=1e-4)
+    view = View(900, 300, 1 / rate, 0.0, focal_px=(5000.0, 10.0))
+    flights = fit_flights(seen, start, Known(ball, view, 0.0335 * scale))
+    assert flights is not None
+    for bounce, true in enumerate(came):
+        slope = flights.contact_slopes[bounce, 1]
+        error = math.sqrt(slope @ flights.covariance @ slope)
+        assert abs(flights.contacts[bounce, 1] - scale * true) < 2.0 * error
+        assert error < 0.03 * scale * true

@@ -27,15 +27,15 @@ PHYPHOX = (
 
 
 LIGHT = Drop(
-    diameter=0.04,
-    mass=80.0 * np.pi / 6 * 0.04**3,
+    diameter=0.05,
+    mass=80.0 * np.pi / 6 * 0.05**3,
     drag_coefficient=0.47,
     start=np.array([0.0, 1.0, 0.0]),
     speed=np.zeros(3),
     restitution=(0.9, 0.02, 1.0),
     grip=1.0,
 )
-"""A ball for table tennis."""
+"""A hollow ball."""
 
 
 @cache
@@ -44,7 +44,7 @@ def light_bounces() -> list[Bounce]:
 
 
 def test_e_of_a_light_ball_is_that_of_its_flight_through_air() -> None:
-    ball = Ball(0.04, density=80.0)
+    ball = Ball(0.05, density=80.0)
     bounces = light_bounces()
     times = np.array([bounce.time for bounce in bounces])
     found = bounce_document(BounceTimes(times), ball)["impacts"]
