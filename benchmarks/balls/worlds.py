@@ -96,6 +96,30 @@ def _white(drawn: Scene, rng: np.random.Generator) -> tuple[Scene, World]:
     return (stage, drop, camera, frames), _coded(rng)
 
 
+def _two_grounds(drawn: Scene, rng: np.random.Generator) -> tuple[Scene, World]:
+    """Let the ball fly before a wall as bright as it is, and bounce before a dark table."""
+    stage, drop, camera, frames = drawn
+    tone = rng.uniform(0.45, 0.6) * rng.uniform(0.95, 1.0, 3)
+    ball = rng.uniform(0.85, 0.95) * rng.uniform(0.97, 1.0, 3)
+    if rng.random() < 0.4:
+        ball *= np.array([1.0, rng.uniform(0.35, 0.45), rng.uniform(0.03, 0.08)])
+    floor = rng.uniform(0.06, 0.2) * np.array([1.0, rng.uniform(0.6, 0.9), rng.uniform(0.4, 0.8)])
+    look = rng.uniform(0.12, 0.25)
+    higher = -stage.eye[2] * (np.tan(look) - np.tan(stage.look_down))
+    stage = replace(
+        stage,
+        ball=ball,
+        wall=tone,
+        wall_other=0.97 * tone,
+        floor=floor,
+        boxes=np.zeros((0, 7)),
+        eye=stage.eye + np.array([0.0, higher, 0.0]),
+        look_down=look,
+        wall_z=rng.uniform(2.0, 4.0) * drop.diameter,
+    )
+    return (stage, drop, camera, frames), _coded(rng)
+
+
 def _held(drawn: Scene, rng: np.random.Generator) -> tuple[Scene, World]:
     stage, drop, camera, frames = drawn
     held_s = rng.uniform(0.15, 0.5)
@@ -123,6 +147,7 @@ WORLDS = {
     "white on bright": _white,
     "hand": _held,
     "shadows": _shadowed,
+    "two grounds": _two_grounds,
 }
 
 

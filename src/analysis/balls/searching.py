@@ -26,7 +26,6 @@ from analysis.balls.seen.looks import (
     LEAST_SHARE,
     MOST_SHARE,
     Looks,
-    Sight,
     families,
     find_discs_that_move,
     looks_of,
@@ -34,6 +33,7 @@ from analysis.balls.seen.looks import (
     weight,
 )
 from analysis.balls.seen.repeats import refuse_brought_to_rate, repeated
+from analysis.balls.seen.sighting import Sight
 from analysis.balls.seen.surroundings import Surroundings
 from analysis.balls.seen.turning import turning_ball
 from analysis.balls.seen.uncovered import uncovered

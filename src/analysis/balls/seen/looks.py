@@ -1,4 +1,4 @@
-"""How a film's ball looks, its radius and channel, and where in a frame something looks like it."""
+"""How a film's ball looks: its radius, its light, and the channel in which its rim is measured."""
 
 from __future__ import annotations
 
@@ -51,6 +51,8 @@ CODED_RADIUS_PX = 13.0
 """Larger balls of compressed films are fitted in pixels that are whole multiples of the film's."""
 CODEC_LEVELS, MOST_CODEC_NOISE = 2.0, 0.3
 """Error of a channel's light, and what of it may be left of a ball's contrast of 1."""
+INSIDE_RADII = 0.85
+"""Of a disc: pixels that tell the ball's own light."""
 SHADOW_WEIGHT = 25.0
 """By how much the ground's own colour counts as noise: shadows dim it and drop out."""
 
@@ -63,17 +65,21 @@ class Looks:
     ----------
     radius_px, radius_sigma_px
         Of its rim, and the standard error of it.
-    weights
-        Of the channels, so that ball less ground is 1 on average, shape (channels,).
+    shading
+        The ball's own values, a smooth function of the place on its disc, shape (TERMS, channels):
+        what `shaded` multiplies.
+    spread
+        Covariance of what it leaves of the ball's values, shape (channels, channels).
     light_weights
-        The same for light in the place of the file's values.
+        Of the channels' light, so that ball less ground is 1 on average, shape (channels,).
     seen
         Frame and disc of each sighting that taught this.
     """
 
     radius_px: float
     radius_sigma_px: float
-    weights: Floats
+    shading: Floats
+    spread: Floats
     light_weights: Floats
     seen: tuple[tuple[int, Disc], ...]
 
@@ -203,9 +209,9 @@ def looks_of(
 ) -> Looks:
     """Return what a ball looks like from discs of one radius.
 
-    The radius is the rim's of the sharpest half, each counted by how sure it is. The channel is
-    Fisher's, the ground's colour counted as noise: shadows drop out where there is colour (Fisher,
-    1936).
+    The radius is the rim's of the sharpest half, each counted by how sure it is. The channel of the
+    rim is Fisher's, the ground's colour counted as noise: shadows drop out where there is colour
+    (Fisher, 1936).
     """
     radii = np.array([disc.radius for _, disc in family])
     rims = np.array([disc.rim for _, disc in family])
@@ -215,12 +221,15 @@ def looks_of(
     )
     spread = 1.4826 * float(np.median(np.abs(radii[sharp] - radius))) / np.sqrt(sharp.sum())
     pixels = [_pixels(samples[number], ground, disc) for number, disc in family]
-    ball = np.concatenate([inside for inside, _ in pixels])
-    still = np.concatenate([behind for _, behind in pixels])
+    ball, still = (np.concatenate([each[k] for each in pixels]) for k in (0, 1))
+    terms = np.concatenate([shaded for _, _, shaded in pixels])
+    shading, left = _smooth(terms, ball)
+    least = CODEC_LEVELS if head.compressed else 1.0
     return Looks(
         radius_px=radius,
         radius_sigma_px=math.hypot(spread, RIM_SIGMA * radius, CODEC_PX * head.compressed),
-        weights=_fisher(ball, still),
+        shading=shading,
+        spread=left + least**2 * np.eye(head.channels),
         light_weights=rim_weights(light(ball, head), light(still, head), head, radius),
         seen=tuple(family),
     )
@@ -233,18 +242,34 @@ def weighted_median(values: Floats, weights: Floats) -> float:
     return float(np.interp(0.5 * weights.sum(), passed, values[order]))
 
 
-def _pixels(picture: Picture, ground: Picture, disc: Disc) -> tuple[Picture, Picture]:
-    rows, columns, channels = picture.shape
+def _pixels(picture: Picture, ground: Picture, disc: Disc) -> tuple[Picture, Picture, Floats]:
+    """Return a disc's pixels, those behind them, and the terms of its shading at each."""
+    rows, columns, _ = picture.shape
     reach = int(np.ceil(disc.radius))
-    top, left = max(0, int(disc.row) - reach), max(0, int(disc.column) - reach)
-    bottom, right = min(rows, int(disc.row) + reach + 1), min(columns, int(disc.column) + reach + 1)
-    if bottom <= top or right <= left:
-        nothing = np.empty((0, channels), picture.dtype)
-        return nothing, nothing
-    row, column = np.mgrid[top:bottom, left:right]
-    within = np.hypot(row - disc.row, column - disc.column) < 0.85 * disc.radius
-    window = (slice(top, bottom), slice(left, right))
-    return picture[window][within], ground[window][within]
+    row, column = (
+        np.arange(max(0, int(middle) - reach), min(most, int(middle) + reach + 1))
+        for middle, most in ((disc.row, rows), (disc.column, columns))
+    )
+    down, right = np.meshgrid(row, column, indexing="ij")
+    u, v = (down - disc.row) / disc.radius, (right - disc.column) / disc.radius
+    within = np.hypot(u, v) < INSIDE_RADII
+    own = down[within], right[within]
+    return picture[own], ground[own], shaded(u[within], v[within])
+
+
+def shaded(u: Floats, v: Floats) -> Floats:
+    """Return the terms of a smooth shading at places in radii from the centre, shape (..., TERMS).
+
+    As `photometry` has them.
+    """
+    return np.stack([np.ones_like(u), u, v, u * v, u * u - v * v, u * u + v * v], axis=-1)
+
+
+def _smooth(terms: Floats, values: Picture) -> tuple[Floats, Floats]:
+    """Return the shading that explains a ball's values, and the covariance of what it leaves."""
+    shading = np.linalg.lstsq(terms, values.astype(np.float64), rcond=None)[0]
+    left = values - terms @ shading
+    return np.asarray(shading, np.float64), np.asarray(left.T @ left / max(1, len(left)))
 
 
 def rim_weights(ball: Singles, still: Singles, head: FilmHead, radius_px: float) -> Floats:
@@ -277,123 +302,3 @@ def _fisher(ball: NDArray[np.generic], still: NDArray[np.generic]) -> Floats:
     colour = np.outer(base, base) / float(base @ base)
     weights = np.linalg.solve(spread + SHADOW_WEIGHT * scale * colour, difference)
     return np.asarray(weights / float(weights @ difference))
-
-
-SOUGHT_RADIUS_PX = 6.0
-LEAST_RESPONSE = 0.3
-MOST = 6
-LEAST_SHRUNK = 2.5
-"""Of a sparse picture; less would let fine patterns through."""
-CLIP = (-0.3, 1.3)
-LEAST_INSIDE = LEAST_RESPONSE + 0.5 * CLIP[0]
-"""Of the ball's difference: what one pixel of a disc has at least where the response is large."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Sightings:
-    """Places in one frame, the best first: row, column, response; shape (N, 3)."""
-
-    places: Floats
-
-
-class Sight:
-    """Looks for a ball of known looks in one frame after another.
-
-    Parameters
-    ----------
-    looks
-        Radius and channel.
-    ground
-        What stands still.
-    """
-
-    def __init__(self, looks: Looks, ground: Picture) -> None:
-        self._factor = max(1.0, looks.radius_px / SOUGHT_RADIUS_PX)
-        self._weights = looks.weights.astype(np.float32)[None]
-        # Where many pixels make one, every second row and column tells as well.
-        self._stride = max(1, int(self._factor / LEAST_SHRUNK))
-        # Whole numbers of pixels are put together many times as fast as parts of them.
-        self._together = max(1, round(self._factor / self._stride))
-        self._factor = float(self._stride * self._together)
-        self._ground = self._small(ground)
-        self._radius = looks.radius_px / self._factor
-        self._kernel = _disc_less_ring(self._radius)
-
-    def _small(self, picture: Picture) -> Singles:
-        small: NDArray[np.generic] = picture
-        if self._factor > 1.0:
-            rows, columns = (side // int(self._factor) for side in picture.shape[:2])
-            own = picture[: rows * int(self._factor), : columns * int(self._factor)]
-            sparse = (columns * self._together, rows * self._together)
-            nearest = cv2.resize(own, sparse, interpolation=cv2.INTER_NEAREST)
-            size = (columns, rows)
-            small = np.atleast_3d(cv2.resize(nearest, size, interpolation=cv2.INTER_AREA))
-        return np.asarray(cv2.transform(small.astype(np.float32), self._weights), dtype=np.float32)
-
-    def find(self, picture: Picture, brighter: float = 1.0) -> Sightings:
-        """Return where something of the ball's size and colour differs from the ground.
-
-        Parameters
-        ----------
-        brighter
-            The picture's values over those of what stands still.
-        """
-        difference = np.clip(self._small(picture) / brighter - self._ground, *CLIP)
-        box = self._changed(difference)
-        border = cv2.BORDER_CONSTANT
-        filtered = cv2.filter2D(difference[box], cv2.CV_32F, self._kernel, borderType=border)
-        response = np.asarray(filtered, dtype=np.float32)
-        width = 2 * round(0.7 * self._radius) + 1
-        top = cv2.dilate(response, np.ones((width, width), np.uint8))
-        rows, columns = np.nonzero((response >= top) & (response >= LEAST_RESPONSE))
-        strength = response[rows, columns]
-        order = np.argsort(-strength)[:MOST]
-        places = np.empty((len(order), 3))
-        for k, index in enumerate(order.tolist()):
-            row, column = _peak(response, int(rows[index]), int(columns[index]))
-            places[k] = (
-                (row + box[0].start + 0.5) * self._factor - 0.5 * self._stride,
-                (column + box[1].start + 0.5) * self._factor - 0.5 * self._stride,
-                strength[index],
-            )
-        return Sightings(places)
-
-    def _changed(self, difference: Singles) -> tuple[slice, slice]:
-        """Return rows and columns beyond which no response is large: most of it stands still.
-
-        A disc whose mean and half of whose ring's make LEAST_RESPONSE has a pixel of LEAST_INSIDE.
-        """
-        strong = difference >= LEAST_INSIDE
-        reach = 3 * self._kernel.shape[0] // 2
-        sides = []
-        for axis in (1, 0):
-            lines = np.flatnonzero(strong.any(axis=axis)).tolist() or [0]
-            sides.append(slice(max(0, lines[0] - reach), lines[-1] + reach + 1))
-        return sides[0], sides[1]
-
-
-def _disc_less_ring(radius: float) -> Singles:
-    reach = int(np.ceil(1.6 * radius))
-    row, column = np.mgrid[-reach : reach + 1, -reach : reach + 1]
-    away = np.hypot(row, column)
-    disc = np.clip(radius - away + 0.5, 0.0, 1.0)
-    ring = ((away > 1.2 * radius) & (away <= 1.6 * radius)).astype(np.float64)
-    kernel = disc / disc.sum() - 0.5 * ring / max(ring.sum(), 1.0)
-    return np.asarray(kernel, dtype=np.float32)
-
-
-def _peak(response: Singles, row: int, column: int) -> tuple[float, float]:
-    rows, columns = response.shape
-    place = []
-    for at, most, line in (
-        (row, rows, response[:, column]),
-        (column, columns, response[row, :]),
-    ):
-        shift = 0.0
-        if 0 < at < most - 1:
-            before, here, after = (float(v) for v in line[at - 1 : at + 2])
-            curve = before - 2 * here + after
-            if curve < 0:
-                shift = min(0.5, max(-0.5, 0.5 * (before - after) / curve))
-        place.append(at + shift)
-    return place[0], place[1]

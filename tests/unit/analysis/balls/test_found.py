@@ -27,7 +27,7 @@ def seen(radius: float, discs: int, hops: int, column: float = 100.0) -> Search:
     bounces: Floats = np.arange(1.0, hops) * HOP / RATE
     chain = Chain(tuple(arcs), bounces, np.tile([500.0, column], (hops - 1, 1)))
     told = tuple((k, Disc(300.0, column, radius, 0.1, 0.1, 0.1, 1.0, -30.0)) for k in range(discs))
-    looks = Looks(radius, 0.3, np.ones(1), np.ones(1), told)
+    looks = Looks(radius, 0.3, np.ones((6, 1)), np.ones((1, 1)), np.ones(1), told)
     times = np.arange(HOP * hops) / RATE
     nothing = np.zeros((0, 3))
     return Search(looks, chain, FALL, (), nothing, (), times * 0 + 1, None, True, times, ())

@@ -100,7 +100,7 @@ def test_a_fast_flight_that_is_followed_over_its_bounce_still_falls() -> None:
     places = np.stack([np.concatenate([rows, turned]), np.full(38, 60.0)], axis=1)
     flight = Arc(frames, frames / 1000.0, places, 38.0)
     chain = Chain((flight,), np.zeros(0), np.zeros((0, 2)))
-    looks = Looks(26.0, 0.2, np.ones(1), np.ones(1), ())
+    looks = Looks(26.0, 0.2, np.ones((6, 1)), np.ones((1, 1)), np.ones(1), ())
     assert falls(chain, looks, fall)
     # A ball that is carried at one speed does not fall.
     carried = np.stack([30.0 + 3200.0 * frames / 1000.0, np.full(38, 60.0)], axis=1)
@@ -110,7 +110,10 @@ def test_a_fast_flight_that_is_followed_over_its_bounce_still_falls() -> None:
 
 def test_what_trembles_on_its_place_does_not_fall_though_it_bends_as_falls_do() -> None:
     # A leaf before a camera that shakes: two bows 3 px high in 20 frames, of a fall and a bounce.
-    fall, looks = np.array([2400.0, 0.0]), Looks(8.0, 0.2, np.ones(1), np.ones(1), ())
+    fall, looks = (
+        np.array([2400.0, 0.0]),
+        Looks(8.0, 0.2, np.ones((6, 1)), np.ones((1, 1)), np.ones(1), ()),
+    )
     gone = np.arange(-10.0, 11.0) / RATE
     bow = 225.0 + 0.5 * fall[0] * gone**2
     arcs = arc(0, bow), arc(21, bow)
@@ -120,7 +123,7 @@ def test_what_trembles_on_its_place_does_not_fall_though_it_bends_as_falls_do() 
     assert falls(Chain((high, arc(30, bow)), np.array([0.15]), np.zeros((1, 2))), looks, fall)
 
 
-BALL = Looks(RADIUS, 0.3, np.ones(1), np.ones(1), ())
+BALL = Looks(RADIUS, 0.3, np.ones((6, 1)), np.ones((1, 1)), np.ones(1), ())
 
 
 def seen_bouncing(count: int, e: float = 0.8, per_frame: int = 1) -> Sightings:

@@ -31,7 +31,7 @@ def film_of(
     flown = np.arange(first, first + len(places))
     chain = Chain((Arc(flown, flown / RATE, places, 1.0),), np.zeros(0), np.zeros((0, 2)))
     times = np.arange(frames) / RATE
-    looks = Looks(RADIUS, 0.3, np.ones(1), np.ones(1), ())
+    looks = Looks(RADIUS, 0.3, np.ones((6, 1)), np.ones((1, 1)), np.ones(1), ())
     fall = np.array([9806.65, 0.0])
     ones, none = np.ones(frames), np.zeros(0)
     search = Search(looks, chain, fall, (), outside, (), ones, None, False, times, ())

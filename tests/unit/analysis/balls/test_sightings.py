@@ -6,11 +6,21 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from analysis.balls.seen.looks import Looks, Sight
+from analysis.balls.seen.looks import Looks
+from analysis.balls.seen.sighting import Sight
 
 RADIUS, SHAPE = 14.0, (300, 400)
 BALL, STILL = 180.0, 60.0
-LOOKS = Looks(RADIUS, 0.1, np.array([1 / (BALL - STILL)]), np.array([1.0]), ())
+
+
+def looks(values: float, downward: float = 0.0) -> Looks:
+    """A grey ball, brighter by so much from its centre to its lower rim."""
+    shading = np.zeros((6, 1))
+    shading[:2, 0] = values, downward
+    return Looks(RADIUS, 0.1, shading, np.array([[4.0]]), np.array([1.0]), ())
+
+
+LOOKS = looks(BALL)
 
 
 def drawn(*places: tuple[float, float]) -> NDArray[np.uint8]:
@@ -42,3 +52,38 @@ def test_balls_are_seen_wherever_they_are(places: list[tuple[float, float]]) -> 
 
 def test_nothing_is_seen_where_nothing_has_changed() -> None:
     assert len(Sight(LOOKS, drawn()).find(drawn()).places) == 0
+
+
+WALL, TABLE, EDGE = 200.0, 60.0, 150
+"""A wall behind a table whose far edge is seen at a row."""
+
+
+def before_two(
+    place: tuple[float, float], ball: float, downward: float, shadow: tuple[float, float]
+) -> NDArray[np.uint8]:
+    """A ball before a wall and a table, and a shadow of its size on either."""
+    rows, columns = np.mgrid[: SHAPE[0], : SHAPE[1]]
+    shown = np.where(rows < EDGE, WALL, TABLE)
+    shade = np.hypot((rows - shadow[0]) / 0.6, columns - shadow[1]) < RADIUS
+    shown = np.where(shade, 0.7 * shown, shown)
+    down = (rows - place[0]) / RADIUS
+    inside = np.clip(RADIUS - np.hypot(rows - place[0], columns - place[1]) + 0.5, 0.0, 1.0)
+    shown += inside * (ball + downward * down - shown)
+    return np.asarray(np.rint(shown)[..., None], np.uint8)
+
+
+@pytest.mark.parametrize("row", [60.0, 130.0, 150.0, 170.0, 240.0])
+@pytest.mark.parametrize(
+    ("ball", "downward"),
+    [(140.0, 0.0), (WALL, -45.0)],
+    ids=["darker than the wall", "as bright as the wall"],
+)
+def test_a_ball_is_followed_before_a_wall_and_a_table_and_its_shadow_is_not(
+    row: float, ball: float, downward: float
+) -> None:
+    away = (-100.0, -100.0)
+    sight = Sight(looks(ball, downward), before_two(away, ball, downward, away))
+    shown = before_two((row, 200.0), ball, downward, (270.0, 240.0))
+    places = sight.find(shown).places
+    assert np.hypot(places[0, 0] - row, places[0, 1] - 200.0) < 0.2 * RADIUS
+    assert len(places) == 1

@@ -28,7 +28,7 @@ def a_film() -> tuple[HeldFilm, Motion]:
 
 def test_windows_are_the_same_whether_a_film_is_read_again_or_was_kept() -> None:
     film, motion = a_film()
-    looks = Looks(RADIUS, 0.1, np.ones(1), np.ones(1), ())
+    looks = Looks(RADIUS, 0.1, np.ones((6, 1)), np.ones((1, 1)), np.ones(1), ())
     pictures = dict(enumerate(film.pictures()))
     about = Surroundings.new(RADIUS, pictures)
     for frame, picture in pictures.items():
@@ -65,7 +65,7 @@ def test_a_ball_that_rests_outside_its_flights_is_no_part_of_what_stands_still()
         pictures.append(pictures[0].copy())
         pictures[-1][resting] = 200
     whole = HeldFilm(Path("film"), np.stack([picture[..., 0] for picture in pictures]))
-    looks = Looks(RADIUS, 0.1, np.ones(1), np.ones(1), ())
+    looks = Looks(RADIUS, 0.1, np.ones((6, 1)), np.ones((1, 1)), np.ones(1), ())
     beside = np.column_stack([np.arange(12, 36), np.tile([[100.0, 45.0]], (24, 1))])
     last = cut_windows(whole, looks, motion, 0.0, Seen(beside=beside))[-1]
     ground = last.pixels[1]
@@ -75,7 +75,7 @@ def test_a_ball_that_rests_outside_its_flights_is_no_part_of_what_stands_still()
 
 def test_a_ball_that_rests_beside_what_is_looked_at_hides_nothing_there() -> None:
     film, motion = a_film()
-    looks = Looks(RADIUS, 0.1, np.ones(1), np.ones(1), ())
+    looks = Looks(RADIUS, 0.1, np.ones((6, 1)), np.ones((1, 1)), np.ones(1), ())
     # No box of the flight reaches the picture's first rows and columns.
     beside = np.array([[k, -60.0, -60.0] for k in range(12)])
     bare = cut_windows(film, looks, motion, 0.0)

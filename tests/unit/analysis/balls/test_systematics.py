@@ -24,8 +24,8 @@ def looks(centres: Floats, radius_sigma_px: float = 0.2) -> Looks:
         (frame, Disc(row, column, RADIUS, 0.1, 0.1, 0.1, 0.9, -20.0))
         for frame, (row, column) in enumerate(centres.tolist())
     )
-    one = np.ones(1)
-    return Looks(RADIUS, radius_sigma_px, one, one, seen)
+    one = np.ones((1, 1))
+    return Looks(RADIUS, radius_sigma_px, np.ones((6, 1)), one, one[0], seen)
 
 
 def film(shift: tuple[float, float], scatter: float) -> tuple[Looks, Motion]:
