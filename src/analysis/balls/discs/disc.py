@@ -15,9 +15,10 @@ LIKE_RADIUS = 1.08
 """Discs whose radii differ by less than this factor are alike."""
 PRINT = 0.45
 """A disc on a larger one, smaller than this share of it, is its gloss or a print."""
-CLOSE, SURE_CLOSE = 0.55, -20.0
-"""Two circles nearer than this share of the larger radius, of which the less sure one has a larger
-log10 of false alarms than this, are one thing's that is no circle: a ball with its shadow."""
+CLOSE, SURE_CLOSE, CLOSER = 0.55, -20.0, 0.4
+"""Two circles nearer than the first share of the larger radius, of which the less sure one has a
+larger log10 of false alarms than this, are one thing's that is no circle: a ball with its shadow.
+Those nearer than the last one are in any case."""
 WITHIN = 1.05
 """In radii: a circle within another reaches no further."""
 
@@ -75,8 +76,8 @@ def one(a: Disc, b: Disc) -> bool:
 def doubled(unsure: Disc, other: Disc) -> bool:
     """Return whether a circle is a second one through a thing that another one goes through."""
     apart = math.hypot(unsure.row - other.row, unsure.column - other.column)
-    close = apart < CLOSE * max(unsure.radius, other.radius)
-    return close and unsure.log_alarms > SURE_CLOSE
+    share = apart / max(unsure.radius, other.radius)
+    return share < CLOSER or (share < CLOSE and unsure.log_alarms > SURE_CLOSE)
 
 
 def touch(a: Disc, b: Disc) -> bool:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import cv2
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 
 from analysis.arrays import Floats, Singles
 from analysis.balls.discs.alike import circles, shrunk
+from analysis.balls.discs.candidates import RADIUS_STEP, candidates
 from analysis.balls.discs.disc import (
     LIKE_RADIUS,
     Disc,
@@ -23,39 +23,19 @@ from analysis.balls.discs.disc import (
     touch,
     within,
 )
-from analysis.balls.discs.evidence import log_odds
+from analysis.balls.discs.evidence import HIDES, log_odds
 from analysis.balls.discs.genuine import is_round, sharpness
-from analysis.balls.discs.gradient import (
-    RADIUS_STEP,
-    SIGMA_PX,
-    Gradient,
-    Ground,
-    candidates,
-    evened,
-    gradient,
-    ground_of,
-)
-from analysis.balls.discs.judging import (
-    LEAST_SECTORS,
-    PASSES,
-    false_alarms,
-    fit_circle,
-)
+from analysis.balls.discs.gradient import SIGMA_PX, Ground, evened, ground_of
+from analysis.balls.discs.levels import SEARCH_RADIUS_PX, judged, levels_of, take
 from analysis.balls.discs.rims import fit_rim
 
-CORRELATED = 2.5
-"""By how much neighbouring edge points, which share what noise the filter saw, enlarge errors."""
 RIM_PX = 0.005
 """Error of any rim on a grid of pixels."""
 NO_RIM_RADII = 0.1
 """Error of a disc, in its radii, whose rim the edges of the whole picture do not show."""
-SEARCH_RADIUS_PX = 16.0
-"""Larger discs are sought in a smaller picture, where their radius is one to two of these."""
 SURE = -6.0
 """log10 of the number of false alarms of a disc that is reported."""
 DOUBTFUL = -2.0
-CHANGED = 3.0
-"""By how many powers of ten discs of a closed or opened picture must be surer: both round off."""
 NEARLY = 0.5
 """Of the best's log10 of false alarms: a circle about it that is as sure is the rim."""
 SHARP, SHARPER, MOST_SHARPER = 1.3, 50.0, 0.02
@@ -63,13 +43,9 @@ SHARP, SHARPER, MOST_SHARPER = 1.3, 50.0, 0.02
 it, and how far above it counts."""
 SOFTER = 0.07
 """By how much less sharp than theirs the rim of a disc like others may be."""
-LEAST_ODDS, LEAST_ALIKE, LEAST_DOUBTFUL = -0.1, -2.0, -1.5
+LEAST_ODDS, LEAST_ALIKE, LEAST_DOUBTFUL = -0.5, -2.0, -1.9
 """Least logarithm of the odds that a disc is a ball's, by all that is seen of it; of a disc that is
 like others; and where doubtful discs are asked for."""
-LEAST_CLEAR = 0.6
-"""Share of a rim that is clear of surer discs' rims that counts as a whole one."""
-BLOTCH = 0.4
-"""Width of the ellipse that takes blotches off, in radii."""
 
 
 def find_balls(
@@ -121,6 +97,14 @@ class _Candidate:
     disc: Disc
 
 
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """A circle as edges of one size of the picture show it, and fitted to those of the whole."""
+
+    disc: Disc
+    refined: Disc
+
+
 def _of_versions(values: Singles, sought: _Sought, versions: tuple[int | None, ...]) -> list[Disc]:
     found: list[Disc] = []
     for disc in _with_rims(values, _accepted(values, sought, versions), sought):
@@ -131,37 +115,47 @@ def _of_versions(values: Singles, sought: _Sought, versions: tuple[int | None, .
     return sorted(found, key=lambda disc: disc.log_alarms)
 
 
-def _accepted(values: Singles, sought: _Sought, versions: tuple[int | None, ...]) -> list[Disc]:
-    """Return the circles that chance does not show, the surest first, each without their edges."""
+def _accepted(values: Singles, sought: _Sought, versions: tuple[int | None, ...]) -> list[_Found]:
+    """Return circles that are discs, the surest first, each without the edges of those before it.
+
+    A circle through what is no disc takes no edges away: those of a ball may be among them.
+    """
     radii = sought.radii
     least = sought.least + sought.blotched * SHARPER * MOST_SHARPER
     # A circle is tried at each row, column and radius of the range.
     radius_steps = max(1.0, math.log(radii[1] / radii[0]) / math.log(RADIUS_STEP))
     tests = math.log10(values.shape[0] * values.shape[1] * radius_steps * len(versions))
-    levels = list(_levels(values, sought, versions))
+    levels = list(levels_of(values, radii, sought.sigma_px, versions))
     weights = [np.ones(len(level.gradient.edges), np.float32) for level in levels]
     waiting: list[_Candidate] = []
     for index, level in enumerate(levels):
         edges, shape = level.gradient.edges, level.gradient.field.shape[1:]
-        for place in candidates(edges, shape, level.radii)[:, 1:]:
-            disc = _judged(level, weights[index], place, tests)
+        places = candidates(edges, shape, level.radii, cluttered=sought.blotched)
+        for place in places[:, 1:]:
+            disc = judged(level, weights[index], place, tests)
             if disc is not None and disc.log_alarms < least - level.margin:
                 waiting.append(_Candidate(index, disc))
-    accepted: list[Disc] = []
+    accepted: list[_Found] = []
     while waiting:
         waiting.sort(key=lambda each: each.disc.log_alarms, reverse=True)
-        best = _outermost(waiting, waiting.pop())
-        if radii[0] * 0.97 <= best.disc.radius <= radii[1] * 1.03:
-            accepted.append(best.disc)
+        best = _outermost(waiting, waiting.pop()).disc
+        if radii[0] * 0.97 <= best.radius <= radii[1] * 1.03:
+            beside = [each.refined for each in accepted]
+            beside += [each.disc for each in waiting if _may_hide(each.disc, best)]
+            found = _disc_at(values, best, beside, sought)
+            if found is None:
+                waiting = [each for each in waiting if not _less_sure(each.disc, best)]
+                continue
+            accepted.append(found)
         rest = []
         for level, own in zip(levels, weights, strict=True):
-            _take(level, own, best.disc)
+            take(level, own, best)
         for other in waiting:
             again: Disc | None = other.disc
             level = levels[other.level]
-            if touch(other.disc, best.disc):
-                again = _judged(level, weights[other.level], level.inward(other.disc), tests)
-            if again is None or one(again, best.disc):
+            if touch(other.disc, best):
+                again = judged(level, weights[other.level], level.inward(other.disc), tests)
+            if again is None or one(again, best):
                 continue
             if again.log_alarms >= least - level.margin:
                 continue
@@ -170,18 +164,32 @@ def _accepted(values: Singles, sought: _Sought, versions: tuple[int | None, ...]
     return accepted
 
 
-def _with_rims(values: Singles, accepted: list[Disc], sought: _Sought) -> list[Disc]:
-    """Return those of the circles that are rims, fitted to them, and discs like these."""
-    if sought.blotched:
-        sharp = [_with_sharpness(values, disc, sought) for disc in accepted]
-        accepted = [disc for disc in sharp if disc.log_alarms < sought.least]
-    whole = [disc for disc in accepted if not any(on(disc, other) for other in accepted)]
-    # The border of what is lit, or saturated, on a sphere is a circle too, next to its rim or not.
-    refined = [at_rim(values, disc, sought.sigma_px) for disc in _rims(whole)]
+def _may_hide(disc: Disc, other: Disc) -> bool:
+    return disc.log_alarms < HIDES and touch(disc, other) and not one(disc, other)
+
+
+def _less_sure(disc: Disc, than: Disc) -> bool:
+    return disc.log_alarms >= than.log_alarms and one(disc, than)
+
+
+def _disc_at(values: Singles, disc: Disc, others: list[Disc], sought: _Sought) -> _Found | None:
+    """Return a circle fitted to its rim, if that is a disc's, beside surer ones."""
     if not sought.blotched:
-        return refined
-    refined = [disc for disc in refined if _is_ball(values, disc, refined, sought)]
-    return refined + _alike(values, sought, refined)
+        return _Found(disc, at_rim(values, disc, sought.sigma_px))
+    sharp = _with_sharpness(values, disc, sought)
+    if sharp.log_alarms >= sought.least:
+        return None
+    refined = at_rim(values, sharp, sought.sigma_px)
+    return _Found(sharp, refined) if _is_ball(values, refined, others, sought) else None
+
+
+def _with_rims(values: Singles, accepted: list[_Found], sought: _Sought) -> list[Disc]:
+    """Return those of the circles that are rims, and discs like these."""
+    discs = [each.disc for each in accepted]
+    # The border of what is lit, or saturated, on a sphere is a circle too, next to its rim or not.
+    rims = _rims([disc for disc in discs if not any(on(disc, other) for other in discs)])
+    refined = [each.refined for each in accepted if any(each.disc is disc for disc in rims)]
+    return refined + _alike(values, sought, refined) if sought.blotched else refined
 
 
 def _is_ball(
@@ -316,85 +324,3 @@ def _no_rim(disc: Disc, other: Disc) -> bool:
     inner, outer = sorted((disc, other), key=lambda each: each.radius)
     rim = outer if outer.log_alarms < NEARLY * inner.log_alarms else inner
     return disc is not other and within(inner, outer) and disc is not rim
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Level:
-    """One version of the picture at one size."""
-
-    gradient: Gradient
-    factor: float
-    radii: tuple[float, float]
-    margin: float
-
-    def outward(self, value: float) -> float:
-        """Return a coordinate of the whole picture."""
-        return (value + 0.5) * self.factor - 0.5
-
-    def inward(self, disc: Disc) -> Floats:
-        """Return a disc's row, column and radius here."""
-        row, column = ((v + 0.5) / self.factor - 0.5 for v in (disc.row, disc.column))
-        return np.array([row, column, disc.radius / self.factor])
-
-
-def _levels(values: Singles, sought: _Sought, versions: tuple[int | None, ...]) -> Iterator[_Level]:
-    low, most = sought.radii
-    while low < most:
-        high = min(2.0 * low, most)
-        # Of the radii of this octave the smallest becomes the search's.
-        factor = max(1.0, low / SEARCH_RADIUS_PX)
-        small = values
-        if factor > 1.0:
-            size = tuple(max(8, round(side / factor)) for side in values.shape[1::-1])
-            small = np.atleast_3d(cv2.resize(values, size, interpolation=cv2.INTER_AREA))
-        own = (low / factor, high / factor)
-        for version in versions:
-            shown = small
-            if version is not None:
-                width = max(3, 2 * round(0.5 * BLOTCH * math.sqrt(own[0] * own[1])) + 1)
-                ellipse = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (width, width))
-                shown = np.atleast_3d(cv2.morphologyEx(small, version, ellipse))
-            found = gradient(np.ascontiguousarray(shown), sought.sigma_px)
-            margin = 0.0 if version is None else CHANGED
-            yield _Level(found, factor, own, margin)
-        low = high
-
-
-def _judged(level: _Level, weights: Singles, place: Floats, tests: float) -> Disc | None:
-    fit = fit_circle(level.gradient.edges, weights, np.ascontiguousarray(place), len(PASSES))
-    radius, sectors = float(fit[2]), float(fit[6])
-    if radius <= 0 or sectors < LEAST_SECTORS * LEAST_CLEAR:
-        return None
-    if not (0.9 * level.radii[0] < radius < 1.1 * level.radii[1]):
-        return None
-    field, threshold = level.gradient.field, level.gradient.threshold
-    alarms, rim, clear = false_alarms(field, threshold, fit[:3].copy(), tests).tolist()
-    if sectors < LEAST_SECTORS * max(LEAST_CLEAR, clear):
-        return None
-    row_sigma, column_sigma, radius_sigma = (CORRELATED * level.factor * fit[3:6]).tolist()
-    return Disc(
-        row=level.outward(float(fit[0])),
-        column=level.outward(float(fit[1])),
-        radius=radius * level.factor,
-        row_sigma=row_sigma,
-        column_sigma=column_sigma,
-        radius_sigma=radius_sigma,
-        rim=rim,
-        log_alarms=alarms,
-    )
-
-
-def _take(level: _Level, weights: Singles, disc: Disc) -> None:
-    """Take an accepted disc's edges, and the changes there, out of what judges the others."""
-    row, column, radius = level.inward(disc).tolist()
-    band = max(1.5, 0.05 * radius)
-    points = level.gradient.edges
-    away = np.hypot(points[:, 0] - row, points[:, 1] - column)
-    weights[np.abs(away - radius) <= band] = 0.0
-    cv2.circle(
-        level.gradient.field[0],
-        (round(column), round(row)),
-        max(1, round(radius)),
-        -1.0,
-        thickness=max(1, round(2 * band)),
-    )

@@ -1,4 +1,4 @@
-"""Edge points on the gradient's ridges, of all channels of a picture; their votes for discs."""
+"""Edge points on the gradient's ridges, of all channels of a picture."""
 
 from __future__ import annotations
 
@@ -12,85 +12,6 @@ from numpy.typing import NDArray
 from analysis.arrays import Floats, Singles
 from analysis.compiled import compiled, part
 
-RADIUS_STEP = 1.05
-BLUR = 0.06
-"""Width of the blur of votes in radii; narrower ones lose ragged rims."""
-LEAST_SHARE = 0.09
-"""Of the rim that votes for a centre."""
-MOST_CANDIDATES = 300
-
-
-def candidates(edges: Singles, shape: tuple[int, ...], radii: tuple[float, float]) -> Floats:
-    """Return places where many edge points point to, the best first.
-
-    Bright discs on dark ground and dark ones on bright ground are counted apart: else the two
-    sides of a line vote together.
-
-    Parameters
-    ----------
-    edges
-        Of `gradient`.
-    radii
-        Smallest and largest, pixels.
-
-    Returns
-    -------
-    Share of the rim, row, column, radius; shape (N, 4).
-    """
-    low, high = radii
-    steps = max(1, int(np.ceil(np.log(high / low) / np.log(RADIUS_STEP)))) + 1
-    found: list[Floats] = []
-    for radius in np.geomspace(low, high, steps).tolist():
-        margin = int(np.ceil(radius))
-        for side in (1.0, -1.0):
-            votes = np.zeros((shape[0] + 2 * margin, shape[1] + 2 * margin), np.float32)
-            _vote(votes, edges, radius, side, margin)
-            width = max(0.7, BLUR * radius)
-            votes = np.asarray(cv2.GaussianBlur(votes, (0, 0), width), dtype=np.float32)
-            # A point's vote counts as it would at the centre of a rim that is exact to the blur.
-            votes *= 2.0 * np.pi * width**2 * _PEAK
-            top = cv2.dilate(votes, np.ones((5, 5), np.uint8))
-            rows, columns = np.nonzero((votes >= top) & (votes >= LEAST_SHARE))
-            if len(rows):
-                share = votes[rows, columns]
-                place = np.stack(
-                    [share, rows - margin, columns - margin, np.full(len(rows), radius)], axis=1
-                )
-                found.append(place.astype(np.float64))
-    if not found:
-        return np.empty((0, 4))
-    every = np.concatenate(found)
-    return np.asarray(every[np.argsort(-every[:, 0], kind="stable")][:MOST_CANDIDATES])
-
-
-_PEAK = 0.6
-"""Height of a whole rim's peak: its points scatter about as wide as the blur."""
-
-
-@compiled
-def _vote(
-    votes: NDArray[np.float32],
-    edges: NDArray[np.float32],
-    radius: float,
-    side: float,
-    margin: int,
-) -> None:
-    """Add votes, a whole rim's together 1; a margin about the picture takes centres outside."""
-    rows, columns = votes.shape
-    weight = 1.0 / (2.0 * np.pi * radius)
-    for point in edges:
-        row = point[0] + side * radius * point[2] + margin
-        column = point[1] + side * radius * point[3] + margin
-        i, j = int(row), int(column)
-        if i < 0 or j < 0 or i + 1 >= rows or j + 1 >= columns:
-            continue
-        p, q = row - i, column - j
-        votes[i, j] += weight * (1 - p) * (1 - q)
-        votes[i + 1, j] += weight * p * (1 - q)
-        votes[i, j + 1] += weight * (1 - p) * q
-        votes[i + 1, j + 1] += weight * p * q
-
-
 SIGMA_PX = 1.2
 NOISE_QUANTILE = 0.3
 LEAST_OF_NOISE = 2.5
@@ -98,6 +19,11 @@ LEAST_OF_NOISE = 2.5
 STRONG_QUANTILE = 0.998
 LEAST_OF_STRONG = 0.02
 """An edge has this share at least of the picture's strongest ones."""
+_RAYLEIGH = math.sqrt(-2.0 * math.log(1.0 - NOISE_QUANTILE))
+"""This quantile of a Rayleigh distribution with scale 1."""
+PATCH_PX, LEAST_PATCHES, STRONG_QUANTILE_OF_PATCH, MOST_LIFT = 32, 3, 0.98, 4.0
+"""Side of the patches that have a least size of an edge of their own, how many there are at least
+along each side, which of their sizes is a strong one, and how much smaller an edge may be."""
 
 CHANGE_PX, CALMER_ROUNDS, LEAST_EVENED_PX = 3, 4, 24
 """Pixels over which a ground's changes of colour are seen, as noise of single pixels is none; how
@@ -126,7 +52,7 @@ class Gradient:
     threshold: float
 
 
-def gradient(picture: Singles, sigma_px: float = SIGMA_PX) -> Gradient:
+def gradient(picture: Singles, sigma_px: float = SIGMA_PX, *, local: bool = False) -> Gradient:
     """Return the gradient of a picture.
 
     The direction in which the channels together change most (Di Zenzo, 1986) needs no choice of a
@@ -136,8 +62,16 @@ def gradient(picture: Singles, sigma_px: float = SIGMA_PX) -> Gradient:
     ----------
     picture
         Shape (rows, columns, channels), any unit.
+    local
+        Whether sizes are lifted where the picture is calmer than elsewhere (`_lift`).
     """
-    return gradient_of(*derivatives(picture, sigma_px))
+    down, right = derivatives(picture, sigma_px)
+    if not local:
+        return gradient_of(down, right)
+    field = np.asarray(_tensor(down, right))
+    threshold = edge_threshold(field[0])
+    field[0] *= _lift(field[0], threshold)
+    return Gradient(field, _ridges(field, threshold), threshold)
 
 
 def gradient_of(down: Singles, right: Singles) -> Gradient:
@@ -147,11 +81,32 @@ def gradient_of(down: Singles, right: Singles) -> Gradient:
     return Gradient(field, _ridges(field, threshold), threshold)
 
 
+def _lift(size: Singles, threshold: float) -> Singles | float:
+    """Return by how much sizes count for more, place by place, as the neighbourhood is calmer.
+
+    What is an edge beside bright clutter hides the rim of a dark ball on a dark cloth: in each
+    patch the least size is that of the patch and those next to it, where this is less.
+    """
+    rows, columns = (side // PATCH_PX for side in size.shape)
+    if min(rows, columns) < LEAST_PATCHES:
+        return 1.0
+    some = size[: rows * PATCH_PX : 2, : columns * PATCH_PX : 2]
+    half = PATCH_PX // 2
+    patches = some.reshape(rows, half, columns, half).swapaxes(1, 2).reshape(rows, columns, -1)
+    count = patches.shape[2]
+    ranks = [int(NOISE_QUANTILE * count), int(STRONG_QUANTILE_OF_PATCH * count)]
+    ordered = np.partition(patches, ranks, axis=2)
+    noise, strong = (np.ascontiguousarray(ordered[:, :, rank]) for rank in ranks)
+    calm = np.asarray(cv2.blur(noise, (3, 3)), np.float32) / _RAYLEIGH
+    steep = np.asarray(cv2.dilate(strong, np.ones((3, 3), np.uint8)), np.float32)
+    least = np.maximum(LEAST_OF_NOISE * calm, LEAST_OF_STRONG * steep) / threshold
+    lift = 1.0 / np.clip(least, 1.0 / MOST_LIFT, 1.0)
+    return np.asarray(cv2.resize(lift.astype(np.float32), size.shape[::-1]), np.float32)
+
+
 def edge_threshold(size: Singles) -> float:
     """Return the least size of an edge, from the sizes of a picture's gradients."""
-    noise = float(np.quantile(size, NOISE_QUANTILE))
-    # Of a Rayleigh distribution with scale 1 the 30 % quantile is at 0.845.
-    noise /= math.sqrt(-2.0 * math.log(1.0 - NOISE_QUANTILE))
+    noise = float(np.quantile(size, NOISE_QUANTILE)) / _RAYLEIGH
     strong = float(np.quantile(size, STRONG_QUANTILE))
     return max(LEAST_OF_NOISE * noise, LEAST_OF_STRONG * strong, 1e-9)
 

@@ -118,7 +118,8 @@ def _unshifted(seen: Singles, field: Singles, sigma_px: float, wider: float) -> 
     points[:, :2] -= AS_WIDTH * by[:, None] * own[:, 2:]
     # Of the shift between one width and a 1.6 times wider one.
     weights = 1.0 / (1.0 + (SOFT * (WIDER - 1.0) * by / EXACT_PX) ** 2)
-    return _Edges(own, points, weights.astype(np.float32))
+    rows = np.argsort(points[:, 0], kind="stable")
+    return _Edges(own[rows], points[rows], weights[rows].astype(np.float32))
 
 
 @compiled

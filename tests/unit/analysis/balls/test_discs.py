@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from analysis.balls.discs.candidates import candidates
 from analysis.balls.discs.finding import find_balls
 from analysis.balls.discs.gradient import gradient
 from analysis.balls.discs.judging import false_alarms, log_binomial_tail
@@ -56,6 +57,51 @@ def test_colour_alone_shows_a_disc() -> None:
     picture = np.stack([np.full_like(grey, 90.0), 290.0 - grey, grey], axis=2).astype(np.uint8)
     (found,) = find_balls(picture, (15.0, 35.0))
     assert (found.row, found.column) == pytest.approx((80.0, 120.0), abs=0.3)
+
+
+def test_a_dark_ball_on_a_dark_cloth_is_found_beside_bright_clutter() -> None:
+    rng = np.random.default_rng(2)
+    shown = np.full((240, 400), 20.0, np.float32)
+    for _ in range(60):
+        (row, column), (rows, columns) = rng.integers(0, (220, 140)), rng.integers(6, 30, 2)
+        shown[row : row + rows, column : min(160, column + columns)] = rng.uniform(40, 255)
+    cv2.circle(shown, (290, 120), 24, (23.0,), -1, cv2.LINE_AA)
+    noisy = cv2.GaussianBlur(shown, (0, 0), 0.8) + rng.normal(0, 0.4, shown.shape)
+    (found,) = find_balls(noisy, (10.0, 40.0))
+    assert (found.row, found.column, found.radius) == pytest.approx((120.0, 290.0, 24.0), abs=0.5)
+
+
+def test_what_is_as_its_ground_within_a_ring_is_no_ball() -> None:
+    shown = np.full((200, 300), 230.0, np.float32)
+    cv2.circle(shown, (150, 100), 20, (20.0,), 7, cv2.LINE_AA)
+    noisy = cv2.GaussianBlur(shown, (0, 0), 0.8)
+    noisy += np.random.default_rng(1).normal(0, 1, shown.shape).astype(np.float32)
+    assert find_balls(noisy, (6.0, 60.0)) == []
+
+
+def test_a_ball_is_found_where_its_shadow_and_it_have_a_circle_in_common() -> None:
+    shown = np.full((200, 300), 120.0, np.float32)
+    cv2.circle(shown, (146, 108), 24, (60.0,), -1, cv2.LINE_AA)
+    cv2.circle(shown, (150, 100), 22, (200.0,), -1, cv2.LINE_AA)
+    noisy = cv2.GaussianBlur(shown, (0, 0), 0.8)
+    noisy += np.random.default_rng(1).normal(0, 1, shown.shape).astype(np.float32)
+    (found,) = find_balls(noisy, (6.0, 60.0))
+    assert (found.row, found.column, found.radius) == pytest.approx((100.0, 150.0, 22.0), abs=0.7)
+
+
+def test_candidates_of_a_busy_corner_leave_room_for_those_elsewhere() -> None:
+    rng = np.random.default_rng(4)
+    turns = np.arange(0.0, 2.0 * np.pi, 0.08)
+    ball = 12.0 * np.stack([np.sin(turns), np.cos(turns)], axis=1)
+    busy = [ball * rng.uniform(0.9, 1.1) / 1.5 + rng.uniform(20.0, 140.0, 2) for _ in range(900)]
+    faint = ball[::3] + np.array([260.0, 420.0])
+    points = np.concatenate([*busy, faint])
+    ways = np.concatenate([ball] * 900 + [ball[::3]])
+    ways = -ways / np.linalg.norm(ways, axis=1)[:, None]
+    rows = np.argsort(points[:, 0])
+    edges = np.concatenate([points, ways], axis=1)[rows].astype(np.float32)
+    places = candidates(edges, (320, 480), (8.0, 16.0))
+    assert np.hypot(*(places[:, 1:3] - np.array([260.0, 420.0])).T).min() < 2.0
 
 
 @pytest.mark.parametrize("seed", range(5))
