@@ -91,7 +91,7 @@ def described(problem: Problem, values: Floats, chosen: Chosen) -> Flights:
         drifts=problem.drifts,
         contacts=contacts,
         contact_slopes=contact_slopes,
-        observed=replace(observed, places=observed.places - problem.taken(values, arcs)),
+        observed=replace(observed, places=observed.places - problem.taken(values[None], arcs)[0]),
         slopes=place_slopes,
         taken_slopes=taken_slopes,
         arcs=arcs,
@@ -212,20 +212,18 @@ def _slopes(problem: Problem, values: Floats, arcs: Ints) -> tuple[Floats, Float
     on nothing.
     """
     count = len(values)
+    free = np.flatnonzero(problem.free)
+    steps = 1e-3 * problem.units[free]
+    change = np.zeros((len(free), count))
+    change[np.arange(len(free)), free] = steps
     place_slopes = np.zeros((len(arcs), 2, count))
     taken_slopes = np.zeros_like(place_slopes)
     contact_slopes = np.zeros((problem.bounces, 6, count))
-    for p in np.flatnonzero(problem.free).tolist():
-        step = 1e-3 * problem.units[p]
-        above, below = values.copy(), values.copy()
-        above[p] += step
-        below[p] -= step
-        high, high_contacts = problem.predict(above, arcs)
-        low, low_contacts = problem.predict(below, arcs)
-        place_slopes[..., p] = (high - low)[:, :2] / (2 * step)
-        contact_slopes[..., p] = (high_contacts - low_contacts) / (2 * step)
-        taken = problem.taken(above, arcs) - problem.taken(below, arcs)
-        taken_slopes[..., p] = taken / (2 * step)
+    high, low = (problem.predict_each(values + way * change, arcs) for way in (1.0, -1.0))
+    taken = problem.taken(values + change, arcs) - problem.taken(values - change, arcs)
+    place_slopes[..., free] = np.moveaxis((high[0] - low[0])[..., :2], 0, -1) / (2 * steps)
+    contact_slopes[..., free] = np.moveaxis(high[1] - low[1], 0, -1) / (2 * steps)
+    taken_slopes[..., free] = np.moveaxis(taken, 0, -1) / (2 * steps)
     for slopes in (place_slopes, contact_slopes, taken_slopes):
         slopes[~np.isfinite(slopes)] = 0.0
     return place_slopes, contact_slopes, taken_slopes

@@ -308,7 +308,7 @@ class Flights:
         ends = self.observed.times_s[[0, -1]]
         times = np.concatenate([ends[:1], times_s, ends[1:]])
         flights = np.concatenate([[0], arcs, [self.bounces]])
-        found = np.empty((len(times), 3))
-        contacts = np.empty((self.bounces, 6))
-        path.places(self.values, times, flights, found, contacts)
-        return found[1:-1]
+        found = np.empty((1, len(times), 3))
+        contacts = np.empty((1, self.bounces, 6))
+        path.places(self.values[None], times[None], flights, found, contacts)
+        return found[0, 1:-1]

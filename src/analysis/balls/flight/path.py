@@ -157,22 +157,35 @@ def places(
     found: NDArray[np.float64],
     contacts: NDArray[np.float64],
 ) -> None:
-    """Fill in where a ball is seen.
+    """Fill in where a ball is seen, for each of several sets of numbers.
 
     Parameters
     ----------
     values
-        COMMON numbers and EACH for each bounce.
+        COMMON numbers and EACH for each bounce; shape (P, K).
     times
-        At which the ball's rows were read, s, increasing; shape (N,).
+        At which the ball's rows were read, s, increasing; shape (P, N).
     arcs
         Which flight each belongs to: 0 before the first bounce; shape (N,).
     found
-        Row, column, and the distance in its value at the first contact, shape (N, 3).
+        Row, column, and the distance in its value at the first contact, shape (P, N, 3).
     contacts
         Of each bounce time, speed towards the plate, across before, speed away, across after,
-        along the plate's normal and beside it, and its column. Shape (bounces, 6).
+        along the plate's normal and beside it, and its column. Shape (P, bounces, 6).
     """
+    for p in range(len(values)):
+        _place(values[p], times[p], arcs, found[p], contacts[p])
+
+
+@part
+def _place(
+    values: NDArray[np.float64],
+    times: NDArray[np.float64],
+    arcs: NDArray[np.intp],
+    found: NDArray[np.float64],
+    contacts: NDArray[np.float64],
+) -> None:
+    """Fill in where a ball is seen, for one set of numbers."""
     forces = np.empty(3)
     forces[0] = values[FALL] * math.cos(values[ROLL])
     forces[1] = values[FALL] * math.sin(values[ROLL])

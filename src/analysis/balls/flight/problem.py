@@ -26,7 +26,7 @@ from analysis.balls.flight.known import (
 
 
 def outlines(values: Floats, seen: Floats) -> Floats:
-    """Return relative changes of the half axes along rows and columns, shape (N, 2).
+    """Return relative changes of the half axes along rows and columns, shape (..., N, 2).
 
     How large and how round a ball is seen on its way: it drifts, and away from the middle of the
     picture the outline of a sphere is an ellipse, longer towards the border by half of the squared
@@ -36,13 +36,14 @@ def outlines(values: Floats, seen: Floats) -> Floats:
     Parameters
     ----------
     values
-        Of `path`.
+        Of `path`, shape (..., K).
     seen
-        Row, column, and distance in its value at the first contact, shape (N, 3).
+        Row, column, and distance in its value at the first contact, shape (..., N, 3).
     """
-    tangents = (seen[:, :2] - values[path.PRINCIPAL]) / (2.0 * values[path.HALF])
-    aslant = 0.5 * values[path.ASLANT] * tangents**2
-    return np.asarray(1.0 / seen[:, 2:] - 1.0 + values[path.OUTLINE] + aslant)
+    values = values[..., None, :]
+    tangents = (seen[..., :2] - values[..., path.PRINCIPAL]) / (2.0 * values[..., [path.HALF]])
+    aslant = 0.5 * values[..., [path.ASLANT]] * tangents**2
+    return np.asarray(1.0 / seen[..., 2:] - 1.0 + values[..., [path.OUTLINE]] + aslant)
 
 
 LOGARITHMS = [path.FALL, path.DRAG, path.ASLANT]
@@ -249,7 +250,7 @@ class Problem:
     def natural(self, values: Floats) -> Floats:
         """Return the numbers that `path` takes: some of the fit's are logarithms."""
         own = values.copy()
-        own[LOGARITHMS] = np.exp(values[LOGARITHMS])
+        own[..., LOGARITHMS] = np.exp(values[..., LOGARITHMS])
         return own
 
     def logarithmic(self, natural: Floats) -> Floats:
@@ -277,30 +278,42 @@ class Problem:
         return np.asarray(np.array(tops)[arcs] > LOW_RADII * self.radius_px)
 
     def times(self, values: Floats) -> Floats:
-        """Return when the ball's row was read in each frame."""
+        """Return when the ball's row was read in each frame, for each set of numbers."""
         line = self.observed.places[:, 1 if self.view.readout == "columns" else 0]
-        return np.asarray(self.observed.times_s + values[path.ROW_TIME] * line)
+        return np.asarray(self.observed.times_s + values[..., path.ROW_TIME, None] * line)
 
     def predict(self, values: Floats, arcs: Ints) -> tuple[Floats, Floats]:
         """Return places and contacts."""
-        found, contacts = np.zeros((len(arcs), 3)), np.zeros((self.bounces, 6))
-        own = self.natural(values)
-        path.places(own, self.times(values), arcs, found, contacts)
-        found[:, :2] += self.moved(own, found)
+        found, contacts = self.predict_each(values[None], arcs)
+        return found[0], contacts[0]
+
+    def predict_each(self, values: Floats, arcs: Ints) -> tuple[Floats, Floats]:
+        """Return places and contacts for each set of numbers, shape (P, K).
+
+        Shapes (P, N, 3) and (P, bounces, 6).
+        """
+        found, contacts, own = self._flown(values, arcs)
+        if self.observed.leans is not None:
+            found[..., :2] -= self.observed.leans * outlines(own, found)
         return found, contacts
 
-    def moved(self, own: Floats, found: Floats) -> Floats:
-        """Return by how much places come out too far off for their outlines, px, shape (N, 2)."""
-        leans = self.observed.leans
-        return np.zeros((len(found), 2)) if leans is None else -leans * outlines(own, found)
+    def _flown(self, values: Floats, arcs: Ints) -> tuple[Floats, Floats, Floats]:
+        """Return places as they are before outlines move them, contacts, and numbers of `path`."""
+        own = self.natural(values)
+        found = np.zeros((len(values), len(arcs), 3))
+        contacts = np.zeros((len(values), self.bounces, 6))
+        path.places(own, self.times(values), arcs, found, contacts)
+        return found, contacts, own
 
     def taken(self, values: Floats, arcs: Ints) -> Floats:
-        """Return what outlines and a smear's uneven light do to places, px, shape (N, 2)."""
+        """Return what outlines and a smear's uneven light do to places, px, shape (P, N, 2).
+
+        For each set of numbers, shape (P, K).
+        """
         level = values.copy()
-        level[path.BIAS] = 0.0
-        bare, contacts = np.zeros((len(arcs), 3)), np.zeros((self.bounces, 6))
-        path.places(self.natural(level), self.times(values), arcs, bare, contacts)
-        return np.asarray(self.predict(values, arcs)[0][:, :2] - bare[:, :2])
+        level[:, path.BIAS] = 0.0
+        bare = self._flown(level, arcs)[0]
+        return np.asarray(self.predict_each(values, arcs)[0][..., :2] - bare[..., :2])
 
     def assign(self, values: Floats, beside_s: float = 0.0) -> tuple[Ints, NDArray[np.bool_]]:
         """Return which flight each place belongs to, and which lie clear of all contacts.

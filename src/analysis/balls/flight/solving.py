@@ -50,8 +50,9 @@ def solve(
         moved[loose] += step * units
         return moved
 
-    def seen(moved: Floats) -> Floats:
-        return np.asarray((problem.predict(moved, arcs)[0][used, :2] / errors).ravel())
+    def seen(*moved: Floats) -> Floats:
+        each = problem.predict_each(np.array(moved), arcs)[0][:, used, :2] / errors
+        return np.asarray(each.reshape(len(moved), -1))
 
     own = (problem.observed.places[used] / errors).ravel()
 
@@ -64,13 +65,13 @@ def solve(
         level = lean if loose[path.LEVEL].all() else prior[:0]
         apart = drifts @ moved - problem.drifts_target[: len(drifts)]
         beyond = problem.beyond(moved)[0]
-        every = np.concatenate([own - seen(moved), prior, level, apart, beyond])
+        every = np.concatenate([own - seen(moved)[0], prior, level, apart, beyond])
         return np.asarray(np.nan_to_num(every, nan=1e6, posinf=1e6, neginf=-1e6))
 
     def slopes(step: Floats) -> Floats:
         here = at(step)
-        moved = [seen(at(step + STEP * one)) for one in np.eye(len(units))]
-        own = np.nan_to_num((seen(here) - np.array(moved)) / STEP).T
+        still, *moved = seen(here, *(at(step + STEP * one) for one in np.eye(len(units))))
+        own = np.nan_to_num((still - np.array(moved)) / STEP).T
         beyond = (problem.beyond(here)[1] * problem.units)[:, loose]
         return np.vstack([own, straight, beyond])
 

@@ -228,11 +228,12 @@ def test_flights_that_a_fit_tries_on_its_way_have_contacts_in_time(
     values[path.HALF] = 240.0
     values[path.COMMON :: path.EACH] = away
     times = np.arange(0, 1.0, 1 / RATE)
-    found, contacts = np.zeros((len(times), 3)), np.zeros((3, 6))
-    path.places(values, times, np.zeros(len(times), dtype=np.intp), found, contacts)
+    found, contacts = np.zeros((1, len(times), 3)), np.zeros((1, 3, 6))
+    arcs = np.zeros(len(times), dtype=np.intp)
+    path.places(values[None], times[None], arcs, found, contacts)
     assert np.isfinite(contacts).all()
     # Nothing lasts much longer than the film: its steps are counted in hundredths of a second.
-    assert np.abs(contacts[:, 0]).max() < 50 * times[-1]
+    assert np.abs(contacts[0, :, 0]).max() < 50 * times[-1]
 
 
 def test_flights_that_run_beyond_all_numbers_are_described_as_far_as_they_go() -> None:
@@ -334,9 +335,9 @@ def test_later_bounces_on_a_plate_that_slopes_lie_on_the_plate(slope: float) -> 
     values[[path.PLATE, path.HALF, path.ASLANT]] = PLATE, 240.0, 0.1
     values[path.COMMON :: path.EACH] = 1800.0, 1500.0, 1300.0, 1100.0
     values[path.COMMON + 1 :: path.EACH] = -250.0
-    contacts = np.zeros((4, 6))
-    path.places(values, np.array([0.0, 2.0]), np.array([0, 4]), np.zeros((2, 3)), contacts)
-    times, towards, away = contacts[:, 0], contacts[:, 1], contacts[:, 3]
+    found, contacts = np.zeros((1, 2, 3)), np.zeros((1, 4, 6))
+    path.places(values[None], np.array([[0.0, 2.0]]), np.array([0, 4]), found, contacts)
+    times, towards, away = contacts[0][:, [0, 1, 3]].T
     assert np.diff(times) == pytest.approx(2 * away[:-1] / (FALL * math.cos(slope)))
     assert towards[1:] == pytest.approx(away[:-1])
 
