@@ -8,6 +8,7 @@ E that the ball would make at a place, the response there is the least-squares s
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TypeVar, cast
 
@@ -29,9 +30,6 @@ LEAST_SHRUNK = 2.5
 """Of a sparse picture; less would let fine patterns through."""
 SHADE = 0.3
 """Standard deviation of a ground's light in shadows that come and go, over its light."""
-LEAST_STRENGTH = 4 * LEAST_RESPONSE**2
-"""Of one pixel's change, squared and in the errors of what is expected, where the response is
-large."""
 TINY = 1e-6
 BESIDE, RING = 0.5, (1.2, 1.6)
 """What a pixel beside the ball counts of one within it, and how far that reaches, radii."""
@@ -76,8 +74,8 @@ class Sight:
         self._damped, self._expected = damped.astype(np.float32), expected.astype(np.float32)
         # A ball that differs from its ground by its own errors is half seen.
         self._unseen = (self._disc.sum() * noise + TINY).astype(np.float32)
-        within = (self._disc > 0).astype(np.uint8)
-        self._least = LEAST_STRENGTH * np.asarray(cv2.erode(noise, within))
+        least = LEAST_RESPONSE**2 * (expected + self._unseen) ** 2 / expected
+        self._least = least.astype(np.float32)
 
     def _small(self, picture: Picture) -> Singles:
         small: NDArray[np.generic] = picture
@@ -130,8 +128,8 @@ class Sight:
             The picture's values over those of what stands still.
         """
         change = self._small(picture) / np.float32(brighter) - self._ground
-        along = (change * self._ground).sum(axis=2)
-        strength = (change**2).sum(axis=2) - SHADE**2 * self._damped * along**2
+        along = np.einsum("rck,rck->rc", change, self._ground)
+        strength = np.einsum("rck,rck->rc", change, change) - SHADE**2 * self._damped * along**2
         box = self._changed(strength)
         response = self._response(change[box], along[box], strength[box], box)
         width = 2 * round(0.7 * self._radius) + 1
@@ -166,10 +164,14 @@ class Sight:
     def _changed(self, strength: Singles) -> tuple[slice, slice]:
         """Return rows and columns beyond which no response is large: most of it stands still.
 
-        By <D, E>^2 <= <D, D> <E, E> a disc with LEAST_RESPONSE has a pixel of LEAST_STRENGTH.
+        By <D, E>^2 <= <D, D> <E, E>, with <D, D> of the square about a disc.
         """
-        strong = strength >= self._least
-        reach = 3 * self._about.shape[0] // 2
+        reach = self._about.shape[0] // 2
+        side = 2 * math.ceil(self._radius) + 1
+        square = cv2.boxFilter(
+            strength, -1, (side, side), normalize=False, borderType=cv2.BORDER_CONSTANT
+        )
+        strong = square >= self._least
         sides = []
         for axis in (1, 0):
             lines = np.flatnonzero(strong.any(axis=axis)).tolist() or [0]
