@@ -19,6 +19,8 @@ from analysis.errors import counted
 NEAR_RADII = 1.6
 LOW_BOUNCE = 0.2
 """Of a radius: rows that differ by more at the plate are those of a ball that bounces."""
+RISES = 0.1
+"""Radii by which a ball is higher at the film's end than after its bounce."""
 STAYS_RADII = 1.0
 """What is held moves by less."""
 QUICK = 0.05  # Radii a frame: what is held at the picture's border moves less.
@@ -107,6 +109,7 @@ def outside(measured: MeasuredBall) -> Iterator[str]:
     """Say where the ball is seen before its first flight or after its last."""
     chain, seen = measured.chain, measured.search.unexplained
     first, last = chain.arcs[0].frames[0], chain.arcs[-1].frames[-1]
+    last_of_film = measured.head.frames - LEAST_PLACES
     for when, own in (("before", seen[seen[:, 0] < first]), ("after", seen[seen[:, 0] > last])):
         if len(own) < LEAST_PLACES:
             continue
@@ -120,6 +123,8 @@ def outside(measured: MeasuredBall) -> Iterator[str]:
             does = "rolls along the plate" if moves else "rests on the plate"
             if np.ptp(own[:, 1]) > LOW_BOUNCE * radius:
                 does = "bounces too low to be measured"
+            if own[-1, 0] >= last_of_film and start[0] - end[0] > RISES * radius:
+                does = "rises by less than a radius until the film ends, too little to be measured"
         if when == "after" and stays and _passed(measured, own[:, 1:]):
             does = "is cut by the picture's border"
         # It crosses no border along which it moves.

@@ -162,3 +162,15 @@ def test_stretches_of_a_film_in_which_its_rate_holds_are_told_by_how_the_ball_fa
     assert b > 250
     assert c == 0
     assert 90 < d < 110
+
+
+def test_a_ball_that_rises_a_little_when_the_film_ends_does_not_rest() -> None:
+    rows = np.column_stack([PLATE - 3.0 * np.abs(np.arange(-30.0, 30.0)), np.full(60, 100.0)])
+    for end, does in ((PLATE - 12.0, "rises by less than a radius"), (PLATE - 1.0, "rests")):
+        after = seen_at(range(62, 80), (PLATE, 100.0), (end, 100.0))
+        seen = film_of(rows, 0, after, 80)
+        (whole,) = seen.chain.arcs
+        arcs = whole.part(0, 30), whole.part(30, 60)
+        chain = Chain(arcs, np.array([30 / RATE]), np.array([[PLATE, 100.0]]))
+        told = remarks(replace(seen, search=replace(seen.search, chain=chain)))
+        assert any(f"the ball or what looks like it {does}" in each for each in told)
