@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.balls.analysis import FilmJob
+from analysis.balls.document import Json
 from analysis.balls.flight.known import Ball
 from analysis.balls.tracks.analysis import analyse_table
 from analysis.errors import ShotRefusedError
@@ -138,27 +139,27 @@ def heard(drop: Drop, seed: int) -> tuple[str, list[Bounce]]:
     return _text([names, [one.time + rng.normal(0.0, HEARD_S) for one in known]]), known[1:-1]
 
 
-def pulls(
-    text: str,
-    name: str,
-    stated: tuple[Ball, float | None],
-    truth: Sequence[Bounce],
-    of: Literal["e", "v_n"] = "e",
-) -> tuple[list[float], int]:
-    """Return the pulls of e, or of speeds before, of one table, and how many bounces it lacks."""
+def impacts_of(text: str, name: str, stated: tuple[Ball, float | None]) -> list[Json]:
+    """Return the bounces that are measured in one table; none where it is refused."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / name
         path.write_text(text, encoding="utf-8")
         try:
-            found = analyse_table(FilmJob(1, path, *stated)).document["impacts"]
+            return list(analyse_table(FilmJob(1, path, *stated)).document["impacts"])
         except ShotRefusedError as refusal:
             print(f"   refused: {refusal.reason}")
-            return [], len(truth)
+            return []
+
+
+def pulls(
+    found: Sequence[Json], truth: Sequence[Bounce], of: Literal["e", "v_n"] = "e"
+) -> list[float]:
+    """Return the pulls of e, or of the speeds before, of measured bounces."""
     off = []
     for each in found:
         true = min(truth, key=lambda bounce: abs(bounce.time - each["contact_time_s"]))
         off.append((abs(each[of]["value"]) - getattr(true, of)) / each[of]["sigma"])
-    return off, max(0, len(truth) - len(found))
+    return off
 
 
 def thrown_at_a_wall(drawn: Scene, seed: int) -> Scene:
@@ -279,7 +280,8 @@ def main() -> None:
             for program, (write, needs_rate) in WRITERS.items():
                 ball = Ball(drop.diameter, density=density)
                 rate = seen.rate_hz if needs_rate else None
-                off, lost = pulls(write(seen, bounces), "table.csv", (ball, rate), whole)
+                found = impacts_of(write(seen, bounces), "table.csv", (ball, rate))
+                off, lost = pulls(found, whole), max(0, len(whole) - len(found))
                 every.setdefault(program, []).extend(off)
                 every.setdefault(kind, []).extend(off)
                 shown = " ".join(f"{one:+.2f}" for one in off)
@@ -287,26 +289,25 @@ def main() -> None:
             flight = thrown_at_a_wall(drawn, seed)
             seen, bounces = tracked(flight, seed)
             ball = Ball(drop.diameter, density=density)
-            off, _ = pulls(of_trackmate(seen), "table.csv", (ball, None), bounces)
+            off = pulls(impacts_of(of_trackmate(seen), "table.csv", (ball, None)), bounces)
             every.setdefault("TrackMate, thrown at a wall", []).extend(off)
             leaning, upright = on_a_leaning_plate(drawn, seed)
             seen, bounces = tracked(leaning, seed)
-            off, _ = pulls(of_trackmate(turned(seen, upright)), "table.csv", (ball, None), bounces)
+            text = of_trackmate(turned(seen, upright))
+            off = pulls(impacts_of(text, "table.csv", (ball, None)), bounces)
             every.setdefault("TrackMate, on a leaning plate", []).extend(off)
             shown = " ".join(f"{one:+.2f}" for one in off)
             lean = math.degrees(leaning[1].lean)
             print(f"{kind} {seed} plate leans {lean:+.1f}, upright {upright != 0}: pulls {shown}")
             text, between = heard(drop, 1000 * number + seed)
-            off, lost = pulls(
-                text, "Energy.csv", (Ball(drop.diameter, density=density), None), between
-            )
+            off = pulls(impacts_of(text, "Energy.csv", (ball, None)), between)
             every.setdefault("phyphox", []).extend(off)
     for kind in COMMON:
         for seed in range(given.first, given.first + given.tables):
             drawn, ball = of_a_common_ball(kind, seed)
             seen, bounces = tracked(drawn, seed)
-            off, _ = pulls(of_trackmate(seen), "table.csv", (ball, None), bounces)
-            fast, _ = pulls(of_trackmate(seen), "table.csv", (ball, None), bounces, "v_n")
+            found = impacts_of(of_trackmate(seen), "table.csv", (ball, None))
+            off, fast = pulls(found, bounces), pulls(found, bounces, "v_n")
             every.setdefault(f"e of {kind}", []).extend(off)
             every.setdefault("e of common balls", []).extend(off)
             every.setdefault("v_n of common balls", []).extend(fast)

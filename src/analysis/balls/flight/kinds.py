@@ -41,7 +41,7 @@ class Kind:
     density, spread
         kg/m^3, and the spread of its logarithm.
     stay, stay_sigma
-        How long contacts last, in diameters of the ball, s/m, and its standard error.
+        Duration of contacts over the ball's diameter, s/m, and its standard error.
     """
 
     least_m: float
@@ -57,7 +57,7 @@ ANY = Kind(0.0, math.inf, UNKNOWN_DENSITY, UNKNOWN_SPREAD, 0.0, 0.025)
 for less than no time."""
 TABLE_TENNIS = Kind(0.036, 0.0445, 82.0, 0.15, 0.018, 0.008)
 SQUASH = Kind(0.038, 0.042, 700.0, 0.04, 0.05, 0.045)
-"""Of the size and density of wood: contacts last 4 ms, or hardly at all."""
+"""Contacts of a squash ball last 4 ms, those of a wooden ball of this size and density hardly."""
 TENNIS = Kind(0.062, 0.071, 370.0, 0.08, 0.07, 0.015)
 """By the rules 65.4 to 68.6 mm and 56 to 59.4 g; contacts of some 5 ms (Cross, 1999)."""
 INFLATED = Kind(0.15, math.inf, 80.0, 0.35, 0.055, 0.02)

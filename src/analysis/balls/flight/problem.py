@@ -153,7 +153,10 @@ class Problem:
 
     @property
     def sees_contacts(self) -> bool:
-        """Return whether contacts may last longer than the time between frames."""
+        """Return whether contacts are unsure by more than the time between frames.
+
+        A fit may then take frames of the ball in contact for frames of its flight.
+        """
         return self.view.period_s < LASTS_SIGMAS * float(self.prior_sigma[path.STAY])
 
     @property

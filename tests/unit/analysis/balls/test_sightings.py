@@ -87,3 +87,19 @@ def test_a_ball_is_followed_before_a_wall_and_a_table_and_its_shadow_is_not(
     places = sight.find(shown).places
     assert np.hypot(places[0, 0] - row, places[0, 1] - 200.0) < 0.2 * RADIUS
     assert len(places) == 1
+
+
+@pytest.mark.parametrize("place", [(60.3, 200.6), (190.0, 31.0), (238.4, 366.2)])
+def test_a_ball_that_is_hardly_seen_is_not_left_out_beforehand(
+    place: tuple[float, float],
+) -> None:
+    # 45 % of a ball's light: the least-squares share of a whole ball that is half transparent.
+    away, share = (-100.0, -100.0), 0.45
+    ground, ball = (
+        before_two(where, WALL, -45.0, away).astype(np.float64) for where in (away, place)
+    )
+    shown = np.asarray(np.rint(ground + share * (ball - ground)), np.uint8)
+    sight = Sight(looks(WALL, -45.0), np.asarray(ground, np.uint8))
+    best = sight.find(shown).places[0]
+    assert np.hypot(*(best[:2] - place)) < 0.3 * RADIUS
+    assert best[2] == pytest.approx(share, abs=0.12)
