@@ -374,21 +374,21 @@ def _one(a: Arc, b: Arc, radius_px: float, fall: Floats, shape: tuple[int, int])
     middle = float(times.mean())
     gone = times - middle
     design = np.stack([np.ones_like(gone), gone, 0.5 * gone**2], axis=1)
-    # A ball that drifts keeps its speed across: only its rows bend.
-    row = np.linalg.lstsq(design, places[:, 0], rcond=None)[0]
-    column = np.linalg.lstsq(design[:, :2], places[:, 1], rcond=None)[0]
-    course = np.stack([design @ row, design[:, :2] @ column], axis=1)
-    if np.hypot(*(places - course).T).max() > _tolerance(radius_px):
+    fitted = np.linalg.lstsq(design, places, rcond=None)[0]
+    if np.hypot(*(places - design @ fitted).T).max() > _tolerance(radius_px):
         return False
-    bend = float(row[2] / fall[0])
+    bend, aside = (fitted[2] / fall[0]).tolist()
+    # A ball that drifts keeps its speed across but for drag and perspective; walls turn it.
+    if abs(aside) > FALL_SIGMA:
+        return False
     if missed <= LEAST_AWAY:
         # Sightings jump where the ground behind the ball changes; a bounce bends the other way.
         return LEAST_BEND < bend < MOST_BEND
     if abs(bend - 1.0) > FALL_SIGMA:
         return False
     away = 0.5 * (a.times_s[-1] + b.times_s[0]) - middle
-    at = row @ [1.0, away, 0.5 * away**2], column @ [1.0, away]
-    return not _inside(np.array([at]), radius_px, shape)[0]
+    at = np.array([[1.0, away, 0.5 * away**2]]) @ fitted
+    return not _inside(at, radius_px, shape)[0]
 
 
 def _inside(places: Floats, radius_px: float, shape: tuple[int, int]) -> NDArray[np.bool_]:

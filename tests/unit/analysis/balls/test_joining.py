@@ -37,6 +37,24 @@ def test_sightings_that_jump_in_the_middle_of_a_flight_leave_one_flight() -> Non
     assert whole.frames.tolist() == list(range(50))
 
 
+def thrown(first: int, last: int, slows: float) -> Arc:
+    """A ball before a telephone of 30 frames/s that the air slows across by a share of its fall."""
+    frames = np.arange(first, last)
+    gone = frames / 30.0
+    rows = 200.0 - 900.0 * gone + 0.5 * FALL[0] * gone**2
+    columns = 30.0 + 300.0 * gone - 0.5 * slows * FALL[0] * gone**2
+    return Arc(frames, gone, np.stack([rows, columns], axis=1), float(last - first))
+
+
+def test_a_thrown_ball_that_the_air_slows_has_one_flight() -> None:
+    shape = (1000, 1000)
+    assert len(joined([thrown(0, 14, 0.12), thrown(14, 20, 0.12)], RADIUS, FALL, shape)) == 1
+    # A wall turns a ball within one frame, and more.
+    turned = thrown(14, 20, 0.0)
+    turned.places[:, 1] = 2.0 * 170.0 - turned.places[:, 1]
+    assert len(joined([thrown(0, 14, 0.0), turned], RADIUS, FALL, shape)) == 2
+
+
 def test_flights_before_and_after_a_bounce_stay_apart() -> None:
     before = fallen(100.0, np.arange(40.0))
     after = before[-1] - fallen(0.0, np.arange(1.0, 30.0))[::-1]
