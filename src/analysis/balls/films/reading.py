@@ -20,7 +20,7 @@ from analysis.files import FrameBudget
 from analysis.imaging.files.png_files import SUFFIX as PNG_SUFFIX
 from analysis.imaging.files.png_files import refuse_single
 from analysis.imaging.files.tiff_file import read_tiff
-from analysis.imaging.files.video_file import open_video
+from analysis.imaging.files.video_file import counts_frames, open_video
 
 MOST_FRAMES = 1_000_000
 GREY_TOLERANCE = 2
@@ -73,7 +73,7 @@ class VideoFilm(Film):
         finally:
             video.release()
         notes = []
-        if 0 < stated != len(times):
+        if counts_frames(path) and 0 < stated != len(times):
             have = f"{counted(len(times), 'frame')} can be read, the container counts {stated}"
             notes.append(f"{have}: the rest is missing or damaged")
         width = self._size[0]
@@ -136,7 +136,10 @@ def _seconds(milliseconds: Floats, rate: float) -> Floats | None:
     return np.asarray(times)
 
 
-VIDEO_SUFFIXES = (".avi", ".mkv", ".mp4", ".mov", ".m4v", ".webm")
+VIDEO_SUFFIXES = (
+    *(".avi", ".mkv", ".mp4", ".mov", ".m4v", ".webm"),
+    *(".3gp", ".mts", ".m2ts", ".mpg", ".mpeg", ".wmv", ".gif"),
+)
 CINE_SUFFIX = ".cine"
 PHOTRON_SUFFIXES = (FRAMES_SUFFIX, *HEADER_SUFFIXES)
 READ_SUFFIXES = (*TIFF_SUFFIXES, ".npy", PNG_SUFFIX, *VIDEO_SUFFIXES, CINE_SUFFIX)

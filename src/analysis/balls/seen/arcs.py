@@ -375,11 +375,10 @@ def _one(a: Arc, b: Arc, radius_px: float, fall: Floats, shape: tuple[int, int])
     gone = times - middle
     design = np.stack([np.ones_like(gone), gone, 0.5 * gone**2], axis=1)
     fitted = np.linalg.lstsq(design, places, rcond=None)[0]
-    if np.hypot(*(places - design @ fitted).T).max() > _tolerance(radius_px):
-        return False
+    off = float(np.hypot(*(places - design @ fitted).T).max())
     bend, aside = (fitted[2] / fall[0]).tolist()
     # A ball that drifts keeps its speed across but for drag and perspective; walls turn it.
-    if abs(aside) > FALL_SIGMA:
+    if off > _tolerance(radius_px) or abs(aside) > FALL_SIGMA:
         return False
     if missed <= LEAST_AWAY:
         # Sightings jump where the ground behind the ball changes; a bounce bends the other way.
@@ -388,7 +387,7 @@ def _one(a: Arc, b: Arc, radius_px: float, fall: Floats, shape: tuple[int, int])
         return False
     away = 0.5 * (a.times_s[-1] + b.times_s[0]) - middle
     at = np.array([[1.0, away, 0.5 * away**2]]) @ fitted
-    return not _inside(at, radius_px, shape)[0]
+    return not bool(_inside(at, radius_px, shape)[0])
 
 
 def _inside(places: Floats, radius_px: float, shape: tuple[int, int]) -> NDArray[np.bool_]:

@@ -29,6 +29,12 @@ UNCOUNTED = "the video does not say how many frames it holds; that all are there
 _SIDES = (cv2.CAP_PROP_FRAME_HEIGHT, cv2.CAP_PROP_FRAME_WIDTH)
 _BOXES = {b"ftyp", b"moov", b"mdat", b"wide", b"free", b"skip"}
 """With which an MP4 or QuickTime file can begin."""
+_BEGINNINGS = (b"RIFF", b"\x1a\x45\xdf\xa3", b"\x30\x26\xb2\x75\x8e\x66\xcf\x11")
+_BEGINNINGS_UNCOUNTED = (b"\x00\x00\x01\xba", b"GIF87a", b"GIF89a")
+"""Of AVI, Matroska and ASF; of MPEG program streams and GIF, which do not count their frames."""
+_PACKET, _SYNC = 188, 0x47
+"""Bytes of a packet of an MPEG transport stream, and the first of each; camcorders put the time,
+4 bytes, before it (ISO/IEC 13818-1, 2.4.3.2)."""
 MOST_CHUNKS = 100_000
 """Outermost chunks of a file; each is looked at."""
 
@@ -104,13 +110,30 @@ def _no_decoder(path: Path) -> InputError:
 
 
 def _is_container(path: Path) -> bool:
-    """Return whether a file begins as AVI, Matroska or MP4 do.
+    """Return whether a file begins as one of pictures does.
 
     The decoder would take any of its kinds, lists of other files among them.
     """
+    head = _head(path)
+    return head.startswith(_BEGINNINGS) or head[4:8] in _BOXES or _uncounted(head)
+
+
+def counts_frames(path: Path) -> bool:
+    """Return whether a video's container says how many frames it has, not only how long it is."""
+    return not _uncounted(_head(path))
+
+
+def _uncounted(head: bytes) -> bool:
+    packets = any(
+        len(head) > first + step and head[first] == head[first + step] == _SYNC
+        for first, step in ((0, _PACKET), (4, _PACKET + 4))
+    )
+    return packets or head.startswith(_BEGINNINGS_UNCOUNTED)
+
+
+def _head(path: Path) -> bytes:
     with path.open("rb") as file:
-        head = file.read(12)
-    return head[:4] in {b"RIFF", b"\x1a\x45\xdf\xa3"} or head[4:8] in _BOXES
+        return file.read(2 * _PACKET)
 
 
 def _grey(path: Path, index: int, page: NDArray[np.generic]) -> NDArray[np.generic]:
@@ -151,7 +174,7 @@ def _stated_end(path: Path, size: int) -> int:
             head = file.read(16)
             if head[:4] == b"RIFF":
                 length = 8 + int.from_bytes(head[4:8], "little")
-            elif path.suffix.lower() in {".mp4", ".mov", ".m4v"}:
+            elif path.suffix.lower() in {".mp4", ".mov", ".m4v", ".3gp"}:
                 length = _box_length(head)
             elif path.suffix.lower() in {".mkv", ".webm"}:
                 length = _element_length(head)

@@ -158,6 +158,40 @@ def test_a_grey_video_has_one_channel_and_its_times(tmp_path: Path) -> None:
     assert levels == pytest.approx([0, 40, 80, 120, 160], abs=3)
 
 
+@pytest.mark.parametrize(
+    ("name", "codec"),
+    [("a.mts", "mpg2"), ("a.MPG", "MPG1"), ("a.wmv", "WMV2"), ("a.3gp", "mp4v"), ("a.gif", "")],
+)
+def test_camcorders_and_old_telephones_films_have_all_their_frames_and_times(
+    name: str, codec: str, tmp_path: Path
+) -> None:
+    path, count = tmp_path / name, 9
+    pictures = [np.full((48, 64, 3), 20 * k, np.uint8) for k in range(count)]
+    if codec:
+        video = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*codec), 25.0, (64, 48))
+        for picture in pictures:
+            video.write(picture)
+        video.release()
+    else:
+        moving = cv2.Animation()
+        moving.frames, moving.durations = pictures, [40] * count
+        assert cv2.imwriteanimation(str(path), moving)
+    film = open_film(path)
+    assert (film.head.frames, film.head.notes) == (count, ())
+    assert film.head.rate_hz == pytest.approx(25.0)
+    if codec != "MPG1":  # The last of its frames has no time.
+        assert film.head.times_s == pytest.approx(np.arange(count) / 25.0, abs=1e-3)
+    levels = [float(picture.mean()) for picture in film.pictures()]
+    assert levels == pytest.approx([20 * k for k in range(count)], abs=8)
+
+
+def test_a_list_of_other_files_is_no_film_whatever_its_name(tmp_path: Path) -> None:
+    path = tmp_path / "film.mts"
+    path.write_text("#EXTM3U\n#EXTINF:1,\n/etc/hostname\n" * 20)
+    with pytest.raises(InputError, match="no decoder"):
+        open_film(path)
+
+
 def state_pixels(path: Path, across: int, down: int) -> None:
     """Write the sides of pixels into an MP4 file whose frames lie before its boxes.
 
