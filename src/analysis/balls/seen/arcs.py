@@ -376,7 +376,7 @@ def _one(a: Arc, b: Arc, radius_px: float, fall: Floats, shape: tuple[int, int])
     design = np.stack([np.ones_like(gone), gone, 0.5 * gone**2], axis=1)
     fitted = np.linalg.lstsq(design, places, rcond=None)[0]
     off = float(np.hypot(*(places - design @ fitted).T).max())
-    bend, aside = (fitted[2] / fall[0]).tolist()
+    bend, aside = (float(each) for each in fitted[2] / fall[0])
     # A ball that drifts keeps its speed across but for drag and perspective; walls turn it.
     if off > _tolerance(radius_px) or abs(aside) > FALL_SIGMA:
         return False
