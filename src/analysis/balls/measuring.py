@@ -40,6 +40,8 @@ from analysis.errors import ShotRefusedError
 REPEATS, MOST_REPEATS = 3, 5
 """Of learning the ball's light and fitting its flights: at least, and until e has settled."""
 SETTLED_E = 1e-3
+LEAST_HELD = 0.7
+"""Of the places that the fit before holds: a fit of fewer has gone astray."""
 NEIGHBOURS = 5
 """Sightings before and after that tell a speed before any flight is fitted."""
 LEAST_SIGMA = 0.3
@@ -227,7 +229,7 @@ def _at_surface(
         observed = _observed(placed, times_s, of_radius)
         known = Known(ball, view, looks.radius_px, looks.radius_sigma_px, drag)
         fitted = fit_flights(observed, start, known, flights)
-        if fitted is None:
+        if fitted is None or _lost(fitted, flights):
             break
         flights, told_by, earlier = fitted, placed, told_by
         drag = told_drag(ball, flights, drag) if ball.density is None else drag
@@ -267,6 +269,11 @@ def _at_surface(
         head=film.head,
     )
     return measured, [] if start.off_a_wall else fits
+
+
+def _lost(fitted: Flights, before: Flights | None) -> bool:
+    """Return whether a fit holds far fewer places than the one before: it has gone astray."""
+    return before is not None and fitted.used.sum() < LEAST_HELD * before.used.sum()
 
 
 def _unsure(flights: Flights | None) -> Floats:

@@ -9,6 +9,10 @@ import cv2
 import numpy as np
 import pytest
 
+from analysis.balls import measuring
+from analysis.balls.flight.fit import fit_flights
+from analysis.balls.flight.flights import Flights, Observed, Start
+from analysis.balls.flight.known import Known
 from analysis.exchange.impact_table import read_impacts
 from analysis.exchange.pose_table import read_poses
 from analysis.model.data.gather import gather
@@ -351,3 +355,25 @@ def test_low_bounces_of_a_telephone_film_are_not_cut_out_of_its_flights(tmp_path
     found = told(next(films(["telephone"], range(3, 4), tmp_path)))
     assert found.outcome == "harmless"
     assert found.bounces == 3
+
+
+def test_a_fit_that_goes_astray_late_takes_no_bounces_away(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Places are fitted again as the ball's light is learned; a later fit may hold few of them."""
+    calls = []
+
+    def astray(
+        observed: Observed, start: Start, known: Known, before: Flights | None
+    ) -> Flights | None:
+        calls.append(len(observed.frames))
+        if len(calls) > 2:
+            observed = observed.of(observed.times_s > start.times_s[-2])
+            start = start.of(slice(-1, None))
+        return fit_flights(observed, start, known, before)
+
+    monkeypatch.setattr(measuring, "fit_flights", astray)
+    shot = answer(capsys, str(write(tmp_path / "film", bouncing(190))), *SIZE, "--fps", "200")
+    assert len(calls) == 3
+    assert len(shot["impacts"]) == 2
+    assert all(abs(each["e"]["value"] - 0.8) < 0.01 for each in shot["impacts"])
