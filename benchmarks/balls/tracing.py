@@ -41,6 +41,8 @@ class Stage:
         Depth of dark spots with sharp rims on the ball, and by how much it is turned, rad.
     seams, logo
         Depth of two dark seams round the ball, and of a round print on it.
+    caps
+        Depth of the twelve round patches of a football.
     roll
         Of the camera about its line of sight, rad: what is on the right is seen higher.
     """
@@ -67,13 +69,14 @@ class Stage:
     seams: float = 0.0
     logo: float = 0.0
     roll: float = 0.0
+    caps: float = 0.0
 
     def numbers(self) -> Floats:
         """Return all but the boxes in one array."""
         plain = [self.focal_px, *self.eye, self.look_down, *self.lamp, self.lamp_size]
         plain += [self.ambient, *self.ball, self.gloss, self.blotches, *self.wall]
         plain += [*self.wall_other, self.check, self.wall_z, *self.floor, self.grain]
-        plain += [self.spots, self.turn, self.seams, self.logo, self.roll]
+        plain += [self.spots, self.turn, self.seams, self.logo, self.roll, self.caps]
         return np.array(plain, dtype=np.float64)
 
     def seen(self, place: Floats) -> Floats:
@@ -95,8 +98,10 @@ class Stage:
 
 FOCAL, EYE, LOOK, LAMP, LAMP_SIZE, AMBIENT, BALL, GLOSS, BLOTCHES = 0, 1, 4, 5, 8, 9, 10, 13, 14
 WALL, OTHER, CHECK, WALL_Z, FLOOR, GRAIN = 15, 18, 21, 22, 23, 26
-SPOTS, TURN, SEAMS, LOGO, ROLL = 27, 28, 29, 30, 31
+SPOTS, TURN, SEAMS, LOGO, ROLL, CAPS = 27, 28, 29, 30, 31, 32
 """Where the numbers of a stage begin."""
+CAP = math.cos(0.36)
+"""Cosine of the angle from a cap's middle to its edge."""
 FINE = 4
 """Samples of a pixel along each side."""
 ORDER = (15, 2, 1, 12, 4, 9, 10, 7, 8, 5, 6, 11, 3, 14, 13, 0)
@@ -141,6 +146,15 @@ def _meets(origin: Floats, way: Floats, ball: Floats, radius: float) -> float:
 
 
 @part
+def _capped(x: float, y: float, z: float) -> bool:
+    """Return whether a direction is within a cap about a corner of an icosahedron."""
+    p = 0.5 * (1.0 + math.sqrt(5.0))
+    nearest = max(abs(z * p + y), abs(z * p - y), abs(y * p + x))
+    nearest = max(nearest, abs(y * p - x), abs(x * p + z), abs(x * p - z))
+    return nearest > CAP * math.sqrt(1.0 + p * p)
+
+
+@part
 def _ball_colour(scene: Floats, normal: Floats, way: Floats, lamp: Floats, colour: Floats) -> None:
     shine = max(0.0, normal[0] * lamp[0] + normal[1] * lamp[1] + normal[2] * lamp[2])
     half = lamp - way
@@ -153,6 +167,8 @@ def _ball_colour(scene: Floats, normal: Floats, way: Floats, lamp: Floats, colou
     tone = 1.0 - scene[BLOTCHES] * (0.5 + 0.5 * _grain(x + 0.3, y - 0.2, 0.45))
     if _grain(x + 0.5 * z, y - 0.4 * z, 0.2) > 0.25:
         tone *= 1.0 - scene[SPOTS]
+    if _capped(x, y, z):
+        tone *= 1.0 - scene[CAPS]
     if abs(y) < 0.05 or abs(x * x - 0.35 - 0.4 * y * y) < 0.05:
         tone *= 1.0 - scene[SEAMS]
     if (x - 0.5) ** 2 + (y - 0.4) ** 2 < 0.09 and z < 0.0:

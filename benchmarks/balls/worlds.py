@@ -120,6 +120,25 @@ def _two_grounds(drawn: Scene, rng: np.random.Generator) -> tuple[Scene, World]:
     return (stage, drop, camera, frames), _coded(rng)
 
 
+def _spotted(drawn: Scene, rng: np.random.Generator) -> tuple[Scene, World]:
+    """Let a light ball with dark patches turn before a wall that is between the two."""
+    stage, drop, camera, frames = drawn
+    tone = rng.uniform(0.12, 0.4) * rng.uniform(0.85, 1.0, 3)
+    ball = rng.uniform(0.75, 0.95) * rng.uniform(0.95, 1.0, 3)
+    depth, football = rng.uniform(0.85, 0.97), bool(rng.random() < 0.6)
+    stage = replace(
+        stage,
+        ball=ball,
+        caps=football * depth,
+        spots=(not football) * depth,
+        turn=rng.uniform(0.0, 6.0),
+        wall=tone,
+        wall_other=rng.uniform(0.8, 1.0) * tone,
+    )
+    spin = rng.choice([-1.0, 1.0]) * rng.uniform(2.0, 12.0)
+    return (stage, drop, camera, frames), replace(_coded(rng), spin=float(spin))
+
+
 def _held(drawn: Scene, rng: np.random.Generator) -> tuple[Scene, World]:
     stage, drop, camera, frames = drawn
     held_s = rng.uniform(0.15, 0.5)
@@ -148,6 +167,7 @@ WORLDS = {
     "hand": _held,
     "shadows": _shadowed,
     "two grounds": _two_grounds,
+    "spotted": _spotted,
 }
 
 

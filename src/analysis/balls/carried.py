@@ -66,7 +66,7 @@ class CarriedError(NotFlyingError):
         motion = _motion(self._seen, self._looks.radius_px)
         if len(motion.frames) < LEAST_FRAMES:
             return None
-        placer = Placer.new(self._looks.radius_px, 0.0)
+        placer = Placer.new(self._looks.radius_px, 0.0, patched=self._looks.patched)
         windows = cut_windows(film, self._looks, motion, 0.0)
         placer.learn_blur(windows, motion)
         return placer.place(windows, motion)

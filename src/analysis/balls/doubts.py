@@ -35,6 +35,8 @@ def doubts(measured: MeasuredBall, flights: Flights, *, alone: bool = True) -> I
     yield from pushed_aside(flights)
     yield from _unsettled(measured.unsettled_e, flights)
     yield from _unsure(measured.unsure_e, flights)
+    if measured.outline_e is not None:
+        yield from _by_outline(measured.outline_e, flights)
     yield from _by_mass(measured, flights)
     if measured.bounces == 1 and alone:
         yield from _alone(measured, flights)
@@ -137,6 +139,16 @@ def _unsettled(unsettled_e: Floats, flights: Flights) -> Iterator[str]:
             f"{unsettled_e[bounce]:.2f} each time that the film is fitted: the film's rate "
             "varies and its times do not say so, or something holds or hides the ball; the error "
             "of e holds as much"
+        )
+
+
+def _by_outline(outline_e: Floats, flights: Flights) -> Iterator[str]:
+    """Name bounces whose e depends on where patches end that are as light as the ground."""
+    for bounce in np.flatnonzero(outline_e > UNSETTLED_E).tolist():
+        yield (
+            f"e of bounce {bounce + 1}, {_before(flights, bounce)}, depends by "
+            f"{outline_e[bounce]:.2f} on where the ball's outline is beside patches that are as "
+            "light as what is behind them; the error of e holds as much"
         )
 
 

@@ -12,7 +12,7 @@ from analysis.arrays import Floats
 from analysis.balls.films.film import Film, FilmHead
 from analysis.balls.flight import path
 from analysis.balls.flight.fit import fit_flights
-from analysis.balls.flight.flights import Flights, Observed, Start
+from analysis.balls.flight.flights import Flights
 from analysis.balls.flight.kinds import told_drag
 from analysis.balls.flight.known import Ball, Known, View
 from analysis.balls.flight.lost import contradicted, find_gap, unsure_e
@@ -24,6 +24,7 @@ from analysis.balls.seen.arcs import Chain
 from analysis.balls.seen.looks import Looks
 from analysis.balls.seen.placing import Placed, Placer
 from analysis.balls.seen.windows import Motion, Seen, Window, cut_windows
+from analysis.balls.settling import Fit, by_outline, last_change, observed_of
 from analysis.balls.surfaces import Part, parts
 from analysis.balls.systematics import (
     ByRadius,
@@ -44,17 +45,12 @@ LEAST_HELD = 0.7
 """Of the places that the fit before holds: a fit of fewer has gone astray."""
 NEIGHBOURS = 5
 """Sightings before and after that tell a speed before any flight is fitted."""
-LEAST_SIGMA = 0.3
-"""Of the median stated error: no frame counts for more."""
 LEAST_CODEC_E = 5e-4
 """Standard error of e that a codec leaves beside that of the radius: it moves rims by amounts that
 follow the ball's way, which no scatter about flights tells (python -m benchmarks.balls)."""
 SPEED_STEP_S = 1e-4
 MOST_GAPS = 6
 """Places at which frames are missing; a film with more has no rate."""
-
-_Fit = tuple[Observed, Start, Known, Flights]
-"""Places, a first guess of bounces and what is known beforehand, and the flights fitted to them."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,6 +84,9 @@ class MeasuredBall:
         Frames that are missing; `times_s` holds the time that they took.
     more_gaps
         Whether frames are missing at more places than are mended.
+    outline_e
+        By how much e of each bounce depends on where the outline of a ball with patches is where
+        these are as light as the ground, shape (B,); None: it has none, or that is not known.
     others
         The ball at other surfaces of the same film: walls, and a plate before or after one.
     """
@@ -104,6 +103,7 @@ class MeasuredBall:
     head: FilmHead
     gaps: tuple[Gap, ...] = ()
     more_gaps: bool = False
+    outline_e: Floats | None = None
     others: tuple[MeasuredBall, ...] = ()
 
     @property
@@ -169,7 +169,7 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
         times_s = mended(measured.times_s, [gap])
 
 
-def _gap(measured: MeasuredBall, fits: Sequence[_Fit]) -> tuple[Gap | None, Floats]:
+def _gap(measured: MeasuredBall, fits: Sequence[Fit]) -> tuple[Gap | None, Floats]:
     """Return the surest place at which frames are missing, and what unsure ones do to each e.
 
     Where bounces were lost, the fit that still had their frames is asked too.
@@ -185,7 +185,7 @@ def _gap(measured: MeasuredBall, fits: Sequence[_Fit]) -> tuple[Gap | None, Floa
 
 def _measured(
     film: Film, times_s: Floats, ball: Ball, exposure_s: float | None, *, complete: bool
-) -> tuple[MeasuredBall, list[_Fit]]:
+) -> tuple[MeasuredBall, list[Fit]]:
     """Return what a film shows at these times, and what its flights were fitted to each time."""
     found = search(film, times_s, ball, complete=complete)
     stated = ball, exposure_s
@@ -201,14 +201,14 @@ def _measured(
 
 def _at_surface(
     film: Film, found: Search, stated: tuple[Ball, float | None], part: Part
-) -> tuple[MeasuredBall, list[_Fit]]:
+) -> tuple[MeasuredBall, list[Fit]]:
     """Return the flights about bounces off one surface, and what they were fitted to each time."""
     ball, exposure_s = stated
     looks, chain, times_s = found.looks, found.chain, found.times_s
     start = part.start(found.fall, float(found.fall[0]) if found.contradicts else None)
     period = float(np.median(np.diff(times_s)))
     motion = _first_motion(chain, found.fall)
-    placer = Placer.new(looks.radius_px, exposure_s or 0.0)
+    placer = Placer.new(looks.radius_px, exposure_s or 0.0, patched=looks.patched)
     longest = period if exposure_s is None else exposure_s
     seen = Seen(found.gains, found.about, found.unexplained)
     looks, windows = _windows(
@@ -223,10 +223,10 @@ def _at_surface(
     drag = ball.drag_per_m()
     by_rims: RimsOff | None = None
     coefficients: list[Floats] = []
-    fits: list[_Fit] = []
+    fits: list[Fit] = []
     for repeat in range(MOST_REPEATS if len(chain.times_s) else 0):
         view = _view(film.head, period, placer.exposure_s)
-        observed = _observed(placed, times_s, of_radius)
+        observed = observed_of(placed, times_s, of_radius)
         known = Known(ball, view, looks.radius_px, looks.radius_sigma_px, drag)
         fitted = fit_flights(observed, start, known, flights)
         if fitted is None or _lost(fitted, flights):
@@ -235,7 +235,7 @@ def _at_surface(
         drag = told_drag(ball, flights, drag) if ball.density is None else drag
         fits.append((observed, start, known, fitted))
         coefficients.append(flights.contacts[:, 3] / flights.contacts[:, 1])
-        settled = _last_change(coefficients).max() < SETTLED_E
+        settled = last_change(coefficients).max() < SETTLED_E
         if repeat == MOST_REPEATS - 1 or (settled and repeat + 1 >= REPEATS):
             break
         motion = _fitted_motion(flights)
@@ -243,7 +243,7 @@ def _at_surface(
         row_time = float(flights.values[path.ROW_TIME])
         if exposure_s is None:
             told = placer.learn_exposure(own, motion, period)
-        by_rims = rims_off(looks, motion)
+        by_rims = None if looks.patched else rims_off(looks, motion)
         motion = _learn_light(placer, (own, motion, row_time), by_rims)
         placer.learn_blur(own, motion)
         placed = placer.place(own, motion, row_time)
@@ -264,7 +264,8 @@ def _at_surface(
         exposure_s=placer.exposure_s,
         exposure_found=None if told is None else float(told[1]),
         flights=flights,
-        unsettled_e=_last_change(coefficients),
+        unsettled_e=last_change(coefficients),
+        outline_e=by_outline(placer, (own, motion, row_time), fits, times_s),
         unsure_e=_unsure(flights),
         head=film.head,
     )
@@ -335,14 +336,6 @@ def _placed(
     return placed, apart_sigmas(flights, moved)
 
 
-def _last_change(coefficients: Sequence[Floats]) -> Floats:
-    """Return by how much e of each bounce has changed when the ball's light was learned last."""
-    if not coefficients:
-        return np.zeros(0)
-    alike = [each for each in coefficients if len(each) == len(coefficients[-1])]
-    return np.asarray(np.abs(alike[-1] - alike[max(0, len(alike) - 2)]))
-
-
 def _of_motion(windows: Sequence[Window], motion: Motion) -> list[Window]:
     known = set(motion.frames.tolist())
     return [window for window in windows if window.frame in known]
@@ -372,16 +365,6 @@ def _fitted_motion(flights: Flights) -> Motion:
     return Motion(placed.frames, here, (ahead - behind) / (2 * SPEED_STEP_S))
 
 
-def _observed(placed: Placed, times_s: Floats, of_radius: ByRadius | None) -> Observed:
-    least = np.median(placed.sigmas, axis=0) if len(placed.frames) else 0.0
-    sigmas = np.maximum(placed.sigmas, LEAST_SIGMA * least)
-    plain = Observed(placed.frames, times_s[placed.frames], placed.places, sigmas)
-    if of_radius is None:
-        return replace(plain, bare=True)
-    own = of_radius.of(placed.frames)
-    return replace(plain, leans=own.shifts, sizes=own.sizes)
-
-
 def coefficient(measured: MeasuredBall, bounce: int) -> tuple[float, float]:
     """Return e of a bounce and its standard error; `benchmarks.balls` prints its parts."""
     flights = measured.flights
@@ -389,5 +372,6 @@ def coefficient(measured: MeasuredBall, bounce: int) -> tuple[float, float]:
         return math.nan, math.inf
     coded = LEAST_CODEC_E if measured.head.compressed else 0.0
     told = float(measured.unsettled_e[bounce]), float(measured.unsure_e[bounce])
+    outline = 0.0 if measured.outline_e is None else float(measured.outline_e[bounce])
     e, sigma = flights.coefficient(bounce)
-    return e, math.hypot(sigma, *told, coded)
+    return e, math.hypot(sigma, *told, outline, coded)

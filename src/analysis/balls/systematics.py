@@ -19,6 +19,8 @@ from analysis.balls.seen.windows import Motion, Window
 
 RADIUS_STEP = 0.004
 """Of the radius: places follow it in proportion so far."""
+OUTLINE_STEP = 0.02
+"""The same for a ball with patches, whose places are found less closely."""
 MOST_SIZE = 0.1
 """A size that is further off is that of something else."""
 MOST_OFF = 2.5
@@ -90,17 +92,21 @@ def by_radius(
         Places with the radius as it is.
     """
     radius = placer.radius_px
-    placer.radius_px = (1.0 - RADIUS_STEP) * radius
+    step = OUTLINE_STEP if placer.patched else RADIUS_STEP
+    placer.radius_px = (1.0 - step) * radius
     narrow = placer.place(*seen)
-    placer.radius_px = (1.0 + RADIUS_STEP) * radius
+    placer.radius_px = (1.0 + step) * radius
     wide = placer.place(*seen)
     placer.radius_px = radius
     moved = _moved(placed.frames, placed.places, wide) - _moved(
         placed.frames, placed.places, narrow
     )
     both = np.isin(placed.frames, np.intersect1d(narrow.frames, wide.frames))
-    moved = np.where(both[:, None], moved, 0.0) / (2.0 * RADIUS_STEP)
+    moved = np.where(both[:, None], moved, 0.0) / (2.0 * step)
     shifts = _at_most(moved, MOST_BY_RADIUS * radius)
+    if placer.patched:
+        # Patches at the rim give each frame a lean of its own, and hide how large the ball is.
+        return ByRadius(placed.frames, shifts, np.full((len(shifts), 2), np.nan))
     sizes = _sizes(narrow, placed, wide, placer.blur_px / radius)
     return ByRadius(placed.frames, _smooth(shifts), sizes)
 

@@ -38,6 +38,8 @@ ALIKE = 0.12
 LEAST_ALARMS = -5.0
 LIGHT_SIGMA = 0.04
 """Relative error of a radius that a smooth shading is fitted with."""
+OUTLINE_SIGMA = 0.025
+"""The same of the outline of a ball with patches."""
 LEAST_BRIGHTNESS = 0.2
 """Of the largest difference of a channel, where brightness is taken for the rim."""
 RIM_SIGMA = 0.007
@@ -51,6 +53,8 @@ CODED_RADIUS_PX = 13.0
 """Larger balls of compressed films are fitted in pixels that are whole multiples of the film's."""
 CODEC_LEVELS, MOST_CODEC_NOISE = 2.0, 0.3
 """Error of a channel's light, and what of it may be left of a ball's contrast of 1."""
+LEAST_PATCHES = 0.35
+"""What a smooth shading leaves of a ball's light, over the difference from its ground: patches."""
 INSIDE_RADII = 0.85
 """Of a disc: pixels that tell the ball's own light."""
 SHADOW_WEIGHT = 25.0
@@ -74,6 +78,8 @@ class Looks:
         Of the channels' light, so that ball less ground is 1 on average, shape (channels,).
     seen
         Frame and disc of each sighting that taught this.
+    patches
+        What the shading leaves of the ball's light, rms, over that of ball less ground.
     """
 
     radius_px: float
@@ -82,10 +88,17 @@ class Looks:
     spread: Floats
     light_weights: Floats
     seen: tuple[tuple[int, Disc], ...]
+    patches: float = 0.0
+
+    @property
+    def patched(self) -> bool:
+        """Return whether it shows other patches in each frame."""
+        return self.patches > LEAST_PATCHES
 
     def with_radius(self, radius_px: float) -> Looks:
         """Return the same with a radius that light and not the rim has told."""
-        return replace(self, radius_px=radius_px, radius_sigma_px=LIGHT_SIGMA * radius_px)
+        sigma = OUTLINE_SIGMA if self.patched else LIGHT_SIGMA
+        return replace(self, radius_px=radius_px, radius_sigma_px=sigma * radius_px)
 
     def leaning(self, leans_px: Floats) -> Looks:
         """Return the same with the radius's error of a ball that is seen by one side of its rim.
@@ -225,13 +238,19 @@ def looks_of(
     terms = np.concatenate([shaded for _, _, shaded in pixels])
     shading, left = _smooth(terms, ball)
     least = CODEC_LEVELS if head.compressed else 1.0
+    lit, behind = light(ball, head), light(still, head)
+    patches = _patches(terms, lit, behind)
+    patched = patches > LEAST_PATCHES
     return Looks(
         radius_px=radius,
         radius_sigma_px=math.hypot(spread, RIM_SIGMA * radius, CODEC_PX * head.compressed),
         shading=shading,
         spread=left + least**2 * np.eye(head.channels),
-        light_weights=rim_weights(light(ball, head), light(still, head), head, radius),
+        light_weights=patched_weights(lit, behind)
+        if patched
+        else rim_weights(lit, behind, head, radius),
         seen=tuple(family),
+        patches=patches,
     )
 
 
@@ -270,6 +289,26 @@ def _smooth(terms: Floats, values: Picture) -> tuple[Floats, Floats]:
     shading = np.linalg.lstsq(terms, values.astype(np.float64), rcond=None)[0]
     left = values - terms @ shading
     return np.asarray(shading, np.float64), np.asarray(left.T @ left / max(1, len(left)))
+
+
+def _patches(terms: Floats, ball: Singles, still: Singles) -> float:
+    """Return what a smooth shading leaves of a ball's light over that of ball less ground."""
+    left = ball - terms @ np.linalg.lstsq(terms, ball.astype(np.float64), rcond=None)[0]
+    whole = float(((ball - still).astype(np.float64) ** 2).sum())
+    return math.sqrt(float((left**2).sum()) / max(whole, 1e-12))
+
+
+def patched_weights(ball: Singles, still: Singles) -> Floats:
+    """Return weights for light at the rim of a ball with patches: brightness.
+
+    Patches differ in brightness, most of all; a difference of colours that tells all of them from
+    the ground is faint. Brightness is measured by squares: white and black may be as bright as the
+    ground in the mean.
+    """
+    channels = ball.shape[1]
+    weights = BRIGHTNESS if channels == len(BRIGHTNESS) else np.full(channels, 1.0 / channels)
+    apart = (ball - still).astype(np.float64) @ weights
+    return np.asarray(weights / max(math.sqrt(float((apart**2).mean())), 1e-9))
 
 
 def rim_weights(ball: Singles, still: Singles, head: FilmHead, radius_px: float) -> Floats:

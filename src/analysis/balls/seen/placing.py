@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.arrays import Floats
+from analysis.balls.seen.misfits import (
+    RADII,
+    about,
+    falls_to,
+    least,
+    together,
+    unsure,
+)
+from analysis.balls.seen.patches import CHANCE, LEFT, fit_outline
 from analysis.balls.seen.photometry import (
     GROUND,
     LAYERS,
@@ -27,23 +36,20 @@ from analysis.balls.seen.windows import Motion, Window
 Ints = NDArray[np.intp]
 
 BLURS = (0.4, 0.6, 0.85, 1.2, 1.7, 2.4)
-RADII = (0.8, 0.88, 0.94, 1.0, 1.06, 1.13, 1.22, 1.32)
-"""In radii of the rim; what a smooth shading can hide lies between."""
+LEAST_OUTLINE = 1
+"""Which of them an outline has at least: patches make up for one that is too sharp."""
 MUCH_BETTER, MUCH_LARGER = 0.7, 0.12
+OUTLINES, OUTLINED = (0.84, 0.88, 0.92, 0.96, 1.0, 1.04, 1.08, 1.12, 1.16), 12
+"""In radii of the rim, of a ball with patches, and the frames that tell."""
 EXPOSURES = (0.0, 0.03, 0.08, 0.15, 0.25, 0.4, 0.6, 0.8, 0.98)
 """In times between frames."""
 SLOW_FRAMES, MORE_SLOW, FAST_FRAMES = 6, 4, 4
 TOLD_SMEAR_PX = 1.5
 """A change of the smear by less is not told from blur."""
-HARDLY_WORSE = 0.04
-"""Rise of the misfit over its least up to which an exposure may be: codecs blur, and a light that
-was learned with one exposure explains that one best."""
 TEACHING_FRAMES = 100
 """At least so many of a film's frames teach the ball's light, where it has as many."""
 LEAST_CELL = 3.0
 """Weight of a cell of the learned light that counts."""
-LEAST_MISFIT, MOST_MISFIT = 1e-12, 10.0
-"""Sum of squares that a fit leaves, and how many times its least one frame counts for at most."""
 FURTHEST_RADII = 0.8
 """A fit that has moved further from where the ball was seen is none."""
 
@@ -89,18 +95,24 @@ class Placer:
         Time the shutter is open.
     table
         Light of the ball beyond a smooth shading, shape (MAP_SIDE, MAP_SIDE).
+    patched
+        Whether it shows other patches in each frame: its outline alone is fitted, no light learned.
+    chance
+        What it costs that such a ball is somewhere as light as the ground.
     """
 
     radius_px: float
     blur_px: float
     exposure_s: float
     table: Floats
+    patched: bool = False
+    chance: float = CHANCE
     _exposure_told: bool = False
 
     @classmethod
-    def new(cls, radius_px: float, exposure_s: float) -> Placer:
+    def new(cls, radius_px: float, exposure_s: float, *, patched: bool = False) -> Placer:
         """Return one that has learned nothing."""
-        return cls(radius_px, 1.0, exposure_s, np.zeros((MAP_SIDE, MAP_SIDE)))
+        return cls(radius_px, 1.0, exposure_s, np.zeros((MAP_SIDE, MAP_SIDE)), patched)
 
     def learn_blur(self, windows: Sequence[Window], motion: Motion) -> None:
         """Take the blur that explains the slowest frames best."""
@@ -110,7 +122,8 @@ class Placer:
             self.blur_px = blur
             return self._misfits(chosen, motion)
 
-        self.blur_px = _least(_together(misfits, BLURS), BLURS)
+        tried = BLURS[LEAST_OUTLINE:] if self.patched else BLURS
+        self.blur_px = least(together(misfits, tried), tried)
 
     def learn_radius(self, windows: Sequence[Window], motion: Motion) -> bool:
         """Take a radius that explains the slowest frames much better than the rim's, if any does.
@@ -119,6 +132,8 @@ class Placer:
         falls steadily up to the right radius; where it rises between, something beside the ball is
         explained.
         """
+        if self.patched:
+            return self._learn_outline(windows, motion)
         chosen = self._slow(windows, motion)
         rim = self.radius_px
 
@@ -128,11 +143,28 @@ class Placer:
             whole = [float((window.pixels[RESIDUAL] ** 2).sum()) for window in chosen]
             return float(np.median(whole))
 
-        best = _least(misfit, RADII)
+        best = least(misfit, RADII)
         much = misfit(best) < MUCH_BETTER * misfit(1.0) and abs(best - 1.0) > MUCH_LARGER
         much = much and falls_to(best, [misfit(factor) for factor in RADII])
         self.radius_px = best * rim if much else rim
         return much
+
+    def _learn_outline(self, windows: Sequence[Window], motion: Motion) -> bool:
+        """Take the radius that explains the slowest frames of a ball with patches best.
+
+        Discs are found by edges, which patches have within the rim.
+        """
+        slow = self._by_speed(windows, motion)[: MORE_SLOW * SLOW_FRAMES]
+        chosen = slow[:: max(1, len(slow) // OUTLINED)]
+        rim = self.radius_px
+
+        def misfits(factor: float) -> Floats:
+            self.radius_px = factor * rim
+            return self._misfits(chosen, motion)
+
+        best = least(together(misfits, OUTLINES), OUTLINES)
+        self.radius_px = best * rim
+        return best != 1.0
 
     def learn_exposure(
         self, windows: Sequence[Window], motion: Motion, period_s: float
@@ -156,16 +188,16 @@ class Placer:
             return self._misfits(chosen, motion)
 
         whole = [share * period_s for share in EXPOSURES]
-        near = _about(whole, self.exposure_s) if self._exposure_told else whole
-        misfit = _together(misfits, near)
-        found = _least(misfit, near)
+        near = about(whole, self.exposure_s) if self._exposure_told else whole
+        misfit = together(misfits, near)
+        found = least(misfit, near)
         if found in (near[0], near[-1]) and found not in (whole[0], whole[-1]):
-            misfit = _together(misfits, whole)
-            found = _least(misfit, whole)
-        unsure = _unsure(misfit, whole, found)
+            misfit = together(misfits, whole)
+            found = least(misfit, whole)
+        error = unsure(misfit, whole, found)
         self.exposure_s, self._exposure_told = found, True
         smear = TOLD_SMEAR_PX / fastest / np.sqrt(min(len(chosen), FAST_FRAMES))
-        return found, max(unsure, float(smear))
+        return found, max(error, float(smear))
 
     def _slow(self, windows: Sequence[Window], motion: Motion) -> list[Window]:
         """Return those of the slowest frames that are explained best.
@@ -189,9 +221,9 @@ class Placer:
         is least for the widest rim and the longest smear.
         """
         found = np.full(len(windows), np.inf)
-        for k, (window, fit, _) in enumerate(self._fits(windows, motion, 0.0)):
+        for k, (_, fit, _) in enumerate(self._fits(windows, motion, 0.0)):
             if fit[5] > 0:
-                found[k] = _left(window)
+                found[k] = fit[LEFT]
         return found
 
     def place(self, windows: Sequence[Window], motion: Motion, row_time_s: float = 0.0) -> Placed:
@@ -204,7 +236,7 @@ class Placer:
             places.append(window.outward(fit[:2]))
             sigmas.append(window.factor * fit[2:4])
             misfits.append(fit[4])
-            left.append(_left(window))
+            left.append(fit[LEFT])
         return Placed(
             np.array(frames, dtype=np.intp),
             np.array(places).reshape(-1, 2),
@@ -217,6 +249,8 @@ class Placer:
         self, windows: Sequence[Window], motion: Motion, row_time_s: float = 0.0
     ) -> None:
         """Learn what the smooth shading leaves of the ball's light, from all frames together."""
+        if self.patched:
+            return
         sums = np.zeros((2, MAP_SIDE, MAP_SIDE))
         for window, fit, pose in self._fits(_teaching(windows), motion, row_time_s):
             if fit[5] <= 0 or window.factor * fit[6] > FURTHEST_RADII * self.radius_px:
@@ -251,11 +285,20 @@ class Placer:
     def _fits(
         self, windows: Sequence[Window], motion: Motion, row_time_s: float
     ) -> list[tuple[Window, Floats, Floats]]:
-        """Fit the ball in each window; return window, fit and the pose that the fit began with."""
+        """Fit the ball in each window; return window, fit and the pose that the fit began with.
+
+        A fit is what `fit_place` returns, and what is left in the whole window.
+        """
         return [
-            (window, fit_place(window.pixels, pose, self.table), pose)
+            (window, self._fit(window, pose), pose)
             for window, pose in self._poses(windows, motion, row_time_s)
         ]
+
+    def _fit(self, window: Window, pose: Floats) -> Floats:
+        if self.patched:
+            return fit_outline(window.pixels, pose, self.chance)
+        fit = fit_place(window.pixels, pose, self.table)
+        return np.append(fit, _left(window))
 
     def _poses(
         self, windows: Sequence[Window], motion: Motion, row_time_s: float
@@ -297,84 +340,3 @@ def _without_shading(window: Window, covered: Floats) -> Floats | None:
 def _left(window: Window) -> float:
     """Return the sum of squares that the last fit leaves in a window."""
     return float((window.pixels[WEIGHT] * window.pixels[RESIDUAL] ** 2).sum())
-
-
-def _about(tried: Sequence[float], value: float) -> list[float]:
-    """Return the values next to one, itself among them: where it is sought again."""
-    k = int(np.searchsorted(tried, value))
-    own = k < len(tried) and tried[k] == value
-    above = tried[k + own : k + own + 2 - (k > 0)]
-    return [*tried[max(0, k - 1) : k], value, *above]
-
-
-def _together(
-    misfits: Callable[[float], Floats], tried: Sequence[float]
-) -> Callable[[float], float]:
-    """Return the mean of the curves of several frames, each in units of its least value.
-
-    A frame in which a shadow lies under the ball leaves much whatever is tried, and counts for
-    little.
-    """
-    known = {value: misfits(value) for value in tried}
-    least = np.maximum(np.min(list(known.values()), axis=0), LEAST_MISFIT)
-    told = np.isfinite(least)
-
-    def misfit(value: float) -> float:
-        own = known[value] if value in known else misfits(value)
-        shares = np.minimum(own[told] / least[told], MOST_MISFIT)
-        return float(shares.mean()) if told.any() else np.inf
-
-    return misfit
-
-
-def falls_to(best: float, misfits: Sequence[float]) -> bool:
-    """Return whether misfits of `RADII` fall steadily from the rim's to the least of them."""
-    rim, least = RADII.index(1.0), int(np.argmin(np.abs(np.array(RADII) - best)))
-    first, last = min(rim, least), max(rim, least)
-    steps = np.diff(misfits[first : last + 1])
-    return bool((steps <= 0.0).all() if least > rim else (steps >= 0.0).all())
-
-
-def _least(misfit: Callable[[float], float], tried: Sequence[float]) -> float:
-    """Return where a curve is least: by a parabola through the best of some values, twice."""
-    values = list(tried)
-    misfits = [misfit(value) for value in values]
-    for _ in range(2):
-        k = int(np.argmin(misfits))
-        if k in (0, len(values) - 1) or not np.isfinite(misfits[k - 1 : k + 2]).all():
-            break
-        bend, slope, _ = np.polyfit(
-            np.array(values[k - 1 : k + 2]) - values[k], misfits[k - 1 : k + 2], 2
-        )
-        if bend <= 0:
-            break
-        value = float(np.clip(values[k] - slope / (2 * bend), values[k - 1], values[k + 1]))
-        if value in values:
-            break
-        at = int(np.searchsorted(values, value))
-        values.insert(at, value)
-        misfits.insert(at, misfit(value))
-    return values[int(np.argmin(misfits))]
-
-
-def _unsure(misfit: Callable[[float], float], tried: Sequence[float], found: float) -> float:
-    """Return how far from the value of least misfit others are hardly worse, on average of sides.
-
-    At a bound of what is tried there is one side; where a side has none that is worse, the larger
-    of both.
-    """
-    most = (1.0 + HARDLY_WORSE) * misfit(found)
-    sides, closed = [], True
-    for beyond in ([v for v in tried if v > found], [v for v in reversed(tried) if v < found]):
-        at, before, rises = found, misfit(found), False
-        for value in beyond:
-            here = misfit(value)
-            rises = here > most
-            share = (most - before) / (here - before) if rises else 1.0
-            at, before = at + share * (value - at), here
-            if rises:
-                break
-        if beyond:
-            sides.append(abs(at - found))
-            closed &= rises
-    return float(np.mean(sides)) if closed else max(sides)

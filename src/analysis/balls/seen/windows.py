@@ -116,8 +116,9 @@ def cut_windows(
     resting = {} if known.beside is None else _resting(film.head, looks, known.beside)
     hidden = [_hidden(whole, boxes.get(number, resting.get(number))) for number in samples]
     still = background_without([shown(*each) for each in samples.items()], hidden)
-    # A codec keeps nothing of a rim that is finer than a few pixels.
-    factor = max(1, int(looks.radius_px / CODED_RADIUS_PX)) if film.head.compressed else 1
+    # A codec keeps nothing of a rim that is finer than a few pixels; patches of many take long.
+    coarse = film.head.compressed or looks.patched
+    factor = max(1, int(looks.radius_px / CODED_RADIUS_PX)) if coarse else 1
     windows = []
     for number, cut in cuts.items():
         a, b, c, d = boxes[number]

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from analysis.balls.seen.misfits import falls_to
 from analysis.balls.seen.photometry import MAP_SIDE, fit_place
-from analysis.balls.seen.placing import Placer, falls_to
+from analysis.balls.seen.placing import Placer
 from analysis.balls.seen.windows import Motion, Window
 from analysis.balls.systematics import by_radius
 

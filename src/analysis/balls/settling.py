@@ -1,0 +1,70 @@
+"""By how much e still depends on what a ball is taken to look like, once its flights are fitted."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from analysis.arrays import Floats
+from analysis.balls.flight.fit import fit_flights
+from analysis.balls.flight.flights import Flights, Observed, Start
+from analysis.balls.flight.known import Known
+from analysis.balls.seen.placing import Placed, Placer
+from analysis.balls.seen.windows import Motion, Window
+from analysis.balls.systematics import ByRadius
+
+LEAST_SIGMA = 0.3
+"""Of the median stated error: no frame counts for more."""
+
+Fit = tuple[Observed, Start, Known, Flights]
+"""Places, a first guess of bounces and what is known beforehand, and the flights fitted to them."""
+
+
+def observed_of(placed: Placed, times_s: Floats, of_radius: ByRadius | None) -> Observed:
+    """Return places as flights are fitted to them; with None nothing of the radius is known."""
+    least = np.median(placed.sigmas, axis=0) if len(placed.frames) else 0.0
+    sigmas = np.maximum(placed.sigmas, LEAST_SIGMA * least)
+    plain = Observed(placed.frames, times_s[placed.frames], placed.places, sigmas)
+    if of_radius is None:
+        return replace(plain, bare=True)
+    own = of_radius.of(placed.frames)
+    return replace(plain, leans=own.shifts, sizes=own.sizes)
+
+
+def last_change(coefficients: Sequence[Floats]) -> Floats:
+    """Return by how much e of each bounce has changed when the ball's light was learned last."""
+    if not coefficients:
+        return np.zeros(0)
+    alike = [each for each in coefficients if len(each) == len(coefficients[-1])]
+    return np.asarray(np.abs(alike[-1] - alike[max(0, len(alike) - 2)]))
+
+
+def by_outline(
+    placer: Placer,
+    seen: tuple[list[Window], Motion, float],
+    fits: Sequence[Fit],
+    times_s: Floats,
+) -> Floats | None:
+    """Return by how much e of each bounce depends on where the outline of a patched ball is.
+
+    None can tell it where the ball is as light as its ground: places are fitted once more to a ball
+    for which that is no chance. None for other balls, or where other bounces are found.
+
+    Parameters
+    ----------
+    seen
+        Windows, where the ball is in them, and the time from row to row.
+    """
+    if not placer.patched or not fits:
+        return None
+    observed, start, known, flights = fits[-1]
+    as_fitted, placer.chance = placer.chance, 0.0
+    other = observed_of(placer.place(*seen), times_s, None)
+    placer.chance = as_fitted
+    fitted = fit_flights(replace(other, bare=observed.bare), start, known, flights)
+    if fitted is None or fitted.bounces != flights.bounces:
+        return None
+    e, others = (each.contacts[:, 3] / each.contacts[:, 1] for each in (flights, fitted))
+    return np.asarray(np.abs(others - e))
