@@ -265,7 +265,9 @@ def _at_surface(
         exposure_found=None if told is None else float(told[1]),
         flights=flights,
         unsettled_e=last_change(coefficients),
-        outline_e=by_outline(placer, (own, motion, row_time), fits, times_s),
+        outline_e=by_outline(
+            placer, (own, motion, row_time), fits, times_s, 0.0 if told is None else told[1]
+        ),
         unsure_e=_unsure(flights),
         head=film.head,
     )

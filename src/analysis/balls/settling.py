@@ -46,11 +46,13 @@ def by_outline(
     seen: tuple[list[Window], Motion, float],
     fits: Sequence[Fit],
     times_s: Floats,
+    exposure_sigma_s: float,
 ) -> Floats | None:
     """Return by how much e of each bounce depends on where the outline of a patched ball is.
 
-    None can tell it where the ball is as light as its ground: places are fitted once more to a ball
-    for which that is no chance. None for other balls, or where other bounces are found.
+    None can tell it where the ball is as light as its ground, nor where its smear ends there:
+    places are fitted once more to a ball for which that is no chance, and with an exposure that is
+    shorter by its error. None for other balls.
 
     Parameters
     ----------
@@ -60,11 +62,12 @@ def by_outline(
     if not placer.patched or not fits:
         return None
     observed, start, known, flights = fits[-1]
-    as_fitted, placer.chance = placer.chance, 0.0
-    other = observed_of(placer.place(*seen), times_s, None)
-    placer.chance = as_fitted
-    fitted = fit_flights(replace(other, bare=observed.bare), start, known, flights)
-    if fitted is None or fitted.bounces != flights.bounces:
-        return None
-    e, others = (each.contacts[:, 3] / each.contacts[:, 1] for each in (flights, fitted))
-    return np.asarray(np.abs(others - e))
+    e = flights.contacts[:, 3] / flights.contacts[:, 1]
+    changed = np.zeros(len(e))
+    shorter = max(0.0, placer.exposure_s - exposure_sigma_s)
+    for other in (replace(placer, chance=0.0), replace(placer, exposure_s=shorter)):
+        places = replace(observed_of(other.place(*seen), times_s, None), bare=observed.bare)
+        fitted = fit_flights(places, start, known, flights)
+        if fitted is not None and fitted.bounces == flights.bounces:
+            changed = np.hypot(changed, fitted.contacts[:, 3] / fitted.contacts[:, 1] - e)
+    return np.asarray(changed)
