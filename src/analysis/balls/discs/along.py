@@ -18,6 +18,9 @@ DEPTHS, LEAST_DEPTH = 4, 0.4
 REACH_PX, REACH, STEP_PX = 3.0, 0.2, 0.25
 """How far off the circle its strongest change is looked for, in pixels at least and in radii, and
 in which steps."""
+DEEP, LAYERS = 0.85, 8
+"""How far from the centre all of the inside is looked at, in radii, and at how many distances, each
+for as much of its area."""
 CORE, CORES = 0.45, 4
 """How far from the centre its colours are looked at, in radii, and at how many distances."""
 
@@ -111,3 +114,38 @@ def middle_of(window: NDArray[np.float32], circle: NDArray[np.float64]) -> NDArr
                     colours[count, c] = _between(window, row, column, c)
                 count += 1
     return colours[:count]
+
+
+@compiled
+def through(
+    window: NDArray[np.float32],
+    circle: NDArray[np.float64],
+    outside: NDArray[np.float64],
+    ground: NDArray[np.float64],
+    near: float,
+) -> float:
+    """Return the share of a circle's inside whose colour is that of what is outside.
+
+    Parameters
+    ----------
+    outside, ground
+        Colours outside of each sector, shape (SECTORS, channels), and of all, shape (channels,).
+    near
+        How far a colour may be off.
+    """
+    seen = same = 0
+    for k in range(SECTORS):
+        u, v = math.sin(2.0 * math.pi * k / SECTORS), math.cos(2.0 * math.pi * k / SECTORS)
+        for m in range(LAYERS):
+            away = DEEP * circle[2] * math.sqrt((m + 0.5) / LAYERS)
+            row, column = circle[0] + away * u, circle[1] + away * v
+            if not _within(window, row, column):
+                continue
+            seen += 1
+            here = all_over = 0.0
+            for c in range(window.shape[2]):
+                value = _between(window, row, column, c)
+                here += (value - outside[k, c]) ** 2
+                all_over += (value - ground[c]) ** 2
+            same += min(here, all_over) < near * near
+    return same / max(seen, 1)

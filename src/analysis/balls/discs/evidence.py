@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from analysis.arrays import Floats, Singles
 from analysis.balls.discs.along import REACH, RING, RING_PX, middle_of, rim_of
+from analysis.balls.discs.colours import Colours
 from analysis.balls.discs.disc import Disc
 from analysis.balls.discs.gradient import (
     Gradient,
@@ -51,8 +52,11 @@ part of one."""
 LOOSELY_PX, LOOSELY = 1.0, 0.06
 """How far off the circle, in pixels at least and in radii, a change is part of the rim."""
 LEAST_EDGES = 20
-OF_STEP = 0.3
-"""Share of the median step that agrees with it."""
+WITHIN, STRONG = 0.85, 0.5
+"""How far from the centre edges are within the rim, in radii, and how strong, in the rim's changes,
+those are that count."""
+MOST_CONTRAST = 3.0
+"""Logarithm of a step at the rim, in the least size of an edge, above which more says nothing."""
 INSIDE, LEAST_CLEAR = 1.02, 0.3
 """Within so many radii of a surer disc a sector is hidden; if fewer than this share are clear, all
 count."""
@@ -61,6 +65,9 @@ HIDES = -15.0
 CONCENTRIC = 0.3
 """Two circles whose centres are nearer than this share of the larger radius hide nothing of each
 other."""
+BEFORE, ALIKE = 0.5, 2.0
+"""How far a ball covers its shadow, in the smaller one's radii, and how much larger one is than the
+other, at most."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,6 +93,18 @@ class Evidence:
     solid
         Logarithm of the difference of its middle from the outside, in steps at the rim, at most 1:
         a ring has none.
+    hollow
+        Difference of its middle from what is within the rim, in steps.
+    open
+        Logarithm of the share of its inside that has the colour of the outside: a letter, a net or
+        a wire does not cover its ground.
+    busy
+        Length of strong edges within the rim, in that of the circle.
+    contrast
+        Logarithm of the step at the rim, in the least size of an edge.
+    shadow
+        Whether it is a ball's shadow: its ground with less light, partly covered by a surer disc of
+        another colour.
     """
 
     alarms: float
@@ -97,10 +116,15 @@ class Evidence:
     uneven: float
     agree: float
     solid: float
+    hollow: float
+    open: float
+    busy: float
+    contrast: float
+    shadow: bool
 
     def log_odds(self) -> float:
         """Return the logarithm of the odds that this is a ball, of circles found in photographs."""
-        if self.narrow < LEAST_NARROW or self.solid < LEAST_SOLID:
+        if self.narrow < LEAST_NARROW or self.solid < LEAST_SOLID or self.shadow:
             return -math.inf
         return CONSTANT + sum(
             weight * float(getattr(self, name)) for name, weight in WEIGHTS.items()
@@ -112,21 +136,25 @@ LEAST_NARROW = 0.15
 LEAST_SOLID = math.log(0.05 + 0.15)
 """What differs less from its ground in its middle, in steps at its rim, is a ring: a letter, a
 printed circle."""
-CONSTANT = -12.73
+CONSTANT = -15.91
 WEIGHTS = {
-    "alarms": 1.59,
-    "close": 3.01,
-    "narrow": 4.14,
-    "clutter": -3.74,
-    "rim": 0.05,
-    "ragged": -1.09,
-    "uneven": 0.9,
-    "agree": 3.26,
-    "solid": 1.66,
+    "alarms": 1.73,
+    "close": 4.2,
+    "narrow": 5.56,
+    "clutter": -4.26,
+    "rim": -1.85,
+    "ragged": -1.7,
+    "uneven": 1.42,
+    "agree": -0.51,
+    "solid": 0.87,
+    "hollow": -0.69,
+    "open": -1.79,
+    "busy": -1.36,
+    "contrast": 0.45,
 }
-"""Of a logistic regression on 589 circles with fewer than 10^-5 false alarms, labelled by hand, of
-one half of 80 photographs and of 56 drawn pictures. Its prior is the weights by 93 other ones, of
-which nothing else is left (decisions 0080 and 0082)."""
+"""Of a logistic regression on 1240 circles with fewer than 10^-5 false alarms, of 80 photographs,
+labelled by hand, and of drawn pictures. Its prior is the weights by 93 other ones, of which nothing
+else is left (decisions 0080, 0082 and 0085)."""
 
 
 def log_odds(values: Singles, disc: Disc, sigma_px: float, others: list[Disc]) -> float:
@@ -152,19 +180,20 @@ def evidence(values: Singles, disc: Disc, sigma_px: float, others: list[Disc]) -
     inside, outside, changes, shown = rim_of(window, down, right, circle)
     if shown.sum() < LEAST_EDGES:
         return None
-    steps = inside - outside
-    size_of = np.linalg.norm(steps, axis=1)
-    usual = float(np.median(size_of[shown])) + 1e-9
-    step = np.median(steps[shown], axis=0)
-    own = np.median(inside[shown], axis=0)
-    ground = np.median(outside[shown], axis=0)
-    core = np.median(middle_of(window, circle), axis=0)
     off, along, steep = changes
     edge = shown & (steep > found.threshold)
     on_rim = edge & (along > ALONG) & (np.abs(off) < max(LOOSELY_PX, LOOSELY * circle[2]))
     clear = shown & _clear(disc, circle, others, corner, factor)
     if clear.sum() < LEAST_CLEAR * shown.sum():
         clear = shown
+    middle = np.median(middle_of(window, circle), axis=0)
+    colours = Colours(inside, outside, shown, clear, middle)
+    balls = [_inward(other, corner, factor) for other in others if _covers(other, disc)]
+    shown_of = [middle_of(window, ball) for ball in balls]
+    before = [np.median(each, axis=0) for each in shown_of if len(each) > 0]
+    rim = steep[on_rim & clear]
+    least = STRONG * float(np.median(rim)) if len(rim) else found.threshold
+    contrast = math.log(colours.step(clear) / found.threshold)
     return Evidence(
         alarms=math.log(max(1.0, -disc.log_alarms)),
         close=_share(found, circle, CLOSELY),
@@ -172,11 +201,14 @@ def evidence(values: Singles, disc: Disc, sigma_px: float, others: list[Disc]) -
         clutter=float(np.median([_share(found, each, NEARLY) for each in _beside(circle)])),
         rim=float(on_rim[clear].mean()),
         ragged=math.log(max(0.01, _ragged(off, edge & (along > STEEP), circle[2]))),
-        uneven=math.log(
-            0.05 + float(np.median(np.linalg.norm(inside[shown] - own, axis=1))) / usual
-        ),
-        agree=float((steps[shown] @ step > OF_STEP * (step @ step)).mean()),
-        solid=math.log(0.05 + min(1.0, float(np.linalg.norm(core - ground)) / usual)),
+        uneven=colours.uneven(),
+        agree=colours.agree(),
+        solid=colours.solid(),
+        hollow=colours.hollow(),
+        open=colours.open(window, circle),
+        busy=_busy(found, circle, least),
+        contrast=min(contrast, MOST_CONTRAST),
+        shadow=colours.shaded() and any(colours.is_other(each) for each in before),
     )
 
 
@@ -226,6 +258,24 @@ def _clear(
             at = circle[:2, None] + away * _turns() - middle[:2, None]
             clear &= np.hypot(*at) > INSIDE * middle[2]
     return clear
+
+
+def _covers(ball: Disc, disc: Disc) -> bool:
+    """Return whether a disc may be the shadow of a ball that covers a part of it."""
+    apart = math.hypot(ball.row - disc.row, ball.column - disc.column)
+    small, large = sorted((ball.radius, disc.radius))
+    covered = small + large - apart > BEFORE * small
+    return covered and apart > CONCENTRIC * large and large < ALIKE * small
+
+
+def _busy(found: Gradient, circle: Floats, least: float) -> float:
+    """Return the length of edges of at least a size within a circle, in that of the circle."""
+    edges, size = found.edges, found.field[0]
+    within = np.hypot(*(edges[:, :2] - circle[:2]).T) < WITHIN * circle[2]
+    row, column = np.rint(edges[within, :2]).astype(int).T
+    last = np.array(size.shape)[:, None] - 1
+    row, column = np.clip(np.stack([row, column]), 0, last)
+    return float((size[row, column] > least).sum()) / (2.0 * math.pi * float(circle[2]))
 
 
 def _beside(circle: Floats) -> list[Floats]:

@@ -43,7 +43,7 @@ SHARP, SHARPER, MOST_SHARPER = 1.3, 50.0, 0.02
 it, and how far above it counts."""
 SOFTER = 0.07
 """By how much less sharp than theirs the rim of a disc like others may be."""
-LEAST_ODDS, LEAST_ALIKE, LEAST_DOUBTFUL = -0.5, -2.0, -1.9
+LEAST_ODDS, LEAST_ALIKE, LEAST_DOUBTFUL = -0.2, -2.2, -1.9
 """Least logarithm of the odds that a disc is a ball's, by all that is seen of it; of a disc that is
 like others; and where doubtful discs are asked for."""
 
