@@ -23,8 +23,9 @@ from analysis.balls.flight import path
 from analysis.balls.flight.flights import Flights
 from analysis.balls.flight.known import UNKNOWN_DENSITY, UNKNOWN_SPREAD, Ball
 
-MOST_SPREAD = 1.5
-"""Of a prior: where flights are less sure with the mixture than alone."""
+MOST_SPREAD = 1.05
+"""Of a prior: little more than that of balls of any kind. Flights that lie between two kinds are
+less sure with both than alone, and ask for more: they have the likelier one's."""
 LEAST_SHARE = 1e-30
 GRID = np.exp(np.linspace(-10.0, 2.0, 2401))
 """1/m, evenly spread in the logarithm: from a ball of lead to one of nothing."""
@@ -121,19 +122,28 @@ def told_drag(ball: Ball, flights: Flights, prior: tuple[float, float]) -> tuple
     # What the flights say alone: the derivative, and the curvature, of their misfit to the drag.
     weight = max(0.0, sigma**-2 - prior[1] ** -2) / drag**2
     pull = math.log(drag / prior[0]) / prior[1] ** 2 / drag + weight * drag
-    believed = sum(_believed(ball, kind) for kind in kinds)
-    told = np.log(believed) - 0.5 * weight * GRID**2 + pull * GRID
-    shares = np.exp(told - told.max())
+    said = pull * GRID - 0.5 * weight * GRID**2
+    said = np.exp(said - said.max())
+    each = [_believed(ball, kind) * said for kind in kinds]
+    shares = np.sum(each, axis=0)
     shares /= shares.sum()
     mean = float(shares @ GRID)
     spread = math.sqrt(float(shares @ (GRID - mean) ** 2))
     # The error of a logarithm has the longer side of its number's.
-    own = max(math.log1p(spread / mean) ** -2 - weight * mean**2, MOST_SPREAD**-2)
+    own = math.log1p(spread / mean) ** -2 - weight * mean**2
+    if own < MOST_SPREAD**-2:
+        likeliest = kinds[int(np.argmax([kind.sum() for kind in each]))]
+        return _drag_of(ball, likeliest)
     return mean * math.exp(-(pull - weight * mean) * mean / own), own**-0.5
+
+
+def _drag_of(ball: Ball, kind: Kind) -> tuple[float, float]:
+    """Return the drag of balls of one kind, 1/m, and the spread of its logarithm."""
+    drag, spread = replace(ball, density=kind.density).drag_per_m()
+    return drag, math.hypot(spread, kind.spread)
 
 
 def _believed(ball: Ball, kind: Kind) -> Floats:
     """Return how likely each drag of the grid is of balls of one kind."""
-    drag, spread = replace(ball, density=kind.density).drag_per_m()
-    spread = math.hypot(spread, kind.spread)
+    drag, spread = _drag_of(ball, kind)
     return np.asarray(np.exp(-0.5 * (np.log(GRID / drag) / spread) ** 2) / spread) + LEAST_SHARE

@@ -122,6 +122,22 @@ def test_a_ball_of_40_mm_whose_flights_say_nothing_may_be_full_of_air_or_solid(
     assert abs(true - drag) < 1.4 * drag * math.expm1(spread)
 
 
+@pytest.mark.parametrize(("said", "sigma"), [(0.151, 0.545), (0.176, 0.448), (0.195, 0.427)])
+def test_flights_of_a_light_ball_as_large_as_a_tennis_ball_believe_in_no_ball_of_lead(
+    said: float, sigma: float
+) -> None:
+    # As a telephone's film of such a ball says its drag: far from a tennis ball's 0.017 1/m.
+    ball = Ball(0.066)
+    covariance = np.zeros((path.DRAG + 1, path.DRAG + 1))
+    covariance[path.DRAG, path.DRAG] = sigma**2
+    values = np.full(path.DRAG + 1, said)
+    flights = SimpleNamespace(values=values, covariance=covariance, scale_px_per_m=1.0)
+    prior = ball.drag_per_m()
+    for _ in range(2):
+        prior = told_drag(ball, cast("Flights", flights), prior)
+        assert prior[0] > 0.75 * AIR * DRAG / (11340.0 * 0.066)
+
+
 def test_a_ball_of_a_size_of_no_special_kind_keeps_what_is_believed_of_any() -> None:
     ball = Ball(0.02)
     assert told_drag(ball, cast("Flights", None), ball.drag_per_m()) == ball.drag_per_m()
