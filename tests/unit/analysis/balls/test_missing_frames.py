@@ -17,8 +17,8 @@ from tests.unit.analysis.balls.parabolas import BOUNCES, RATE, SCALE, known, par
     ("first", "count", "stated"),
     [
         (40, 1, 1.0),
-        (100, 2, 1.0),
-        (30, 1, 0.5),
+        pytest.param(100, 2, 1.0, marks=pytest.mark.long),
+        pytest.param(30, 1, 0.5, marks=pytest.mark.long),
         pytest.param(30, 1, 2.0, marks=pytest.mark.long),
     ],
 )
