@@ -3,9 +3,9 @@
 A ball with a pattern that turns shows other patches in each frame; one at the rim that is as light
 as the ground looks like ground. Light of a pixel: F = B (1 - a) + a (S + P), with ground B, cover a
 and smooth shading S as in `photometry`, and patches P: one number a pixel, which differ little from
-one pixel to the next, or much where a patch ends. What of the ball lies beyond the outline nothing
-explains; what within it looks like ground is a patch whose edge follows the rim, and costs as much
-as its length. An outline has a place so wherever its ground differs from it.
+one pixel to the next, or much where a patch ends. An outline that is too small leaves light of the
+ball that nothing explains. One that is too large takes ground for a patch, whose edge along the rim
+costs as much as it is long. So an outline has a place wherever the ball differs from its ground.
 
 The least of sum w (F - model)^2 + RIGID EDGE^2 sum log(1 + (step of P / EDGE)^2), steps between
 neighbours (Student's t of one degree of freedom), is sought by Gauss-Newton steps with weights set
