@@ -182,14 +182,19 @@ def _better(cells: NDArray[np.intp], left: Floats, unmoved: Floats) -> float:
     shift is as good, and what else moves decides.
     """
     found = np.unique(cells)
-    own, still = (
-        np.array([np.median(np.abs(each[cells == cell])) for cell in found])
-        for each in (left, unmoved)
-    )
+    own, still = (_medians(np.abs(each), cells) for each in (left, unmoved))
     better, worse = own < (1.0 - MATTERS) * still, own > (1.0 + MATTERS) * still
     if max(_reach(found[better])) < LEAST_REACH:
         return 0.0
     return float(better.sum() / (better.sum() + worse.sum()))
+
+
+def _medians(values: Floats, cells: NDArray[np.intp]) -> Floats:
+    """Return the median of each part's values, in the order of the parts' numbers."""
+    order = np.lexsort((values, cells))
+    _, first, count = np.unique(cells[order], return_index=True, return_counts=True)
+    lower, upper = (values[order[first + each // 2]] for each in (count - 1, count))
+    return np.asarray(0.5 * (lower + upper))
 
 
 def _shows(level: _Level, least: float) -> bool:

@@ -203,23 +203,36 @@ def _of_arcs(observed: Observed, start: Start, period: float) -> Iterator[Gap]:
         if len(own) < 2 * LEAST_PLACES:
             continue
         times, places = observed.times_s[own], observed.places[own]
-        tried = [
-            (_squares(times + count * period * (np.arange(len(own)) >= k), places), k, count)
-            for k in range(2, len(own) - 1)
-            for count in range(1, MOST_LOST + 1)
-        ]
-        best, k, count = min(tried)
-        if NEARER * best < _squares(times, places):
-            yield from (Gap(int(observed.frames[own[k]]), count + more) for more in (0, 1))
+        late = np.arange(len(own)) >= np.arange(2, len(own) - 1)[:, None]
+        counts = np.arange(MOST_LOST + 1)
+        squares = _squares(times + counts[:, None, None] * period * late, places)
+        count, k = np.unravel_index(int(squares.argmin()), squares.shape)
+        # Without a frame lost, all places k are the same parabola.
+        if NEARER * squares[count, k] < squares[0, 0]:
+            frame = int(observed.frames[own[k + 2]])
+            yield from (Gap(frame, int(count) + more) for more in (0, 1))
 
 
-def _squares(times: Floats, places: Floats) -> float:
-    """Return the squared distances of places from a parabola."""
-    gone = (times - times.mean()) / np.ptp(times)
-    bent = np.linalg.lstsq(np.vander(gone, 3), places[:, 0], rcond=None)[0]
-    straight = np.linalg.lstsq(np.vander(gone, 2), places[:, 1], rcond=None)[0]
-    across = places[:, 1] - np.vander(gone, 2) @ straight
-    return float(((places[:, 0] - np.vander(gone, 3) @ bent) ** 2).sum() + (across**2).sum())
+def _squares(times: Floats, places: Floats) -> Floats:
+    """Return the squared distances of places from a parabola, bent along the first axis alone.
+
+    Parameters
+    ----------
+    times
+        Of each place, for each set of times, shape (..., N).
+    places
+        Shape (N, 2).
+
+    Returns
+    -------
+    Shape (...).
+    """
+    gone = (times - times.mean(axis=-1, keepdims=True)) / np.ptp(times, axis=-1)[..., None]
+    ways = np.linalg.qr(np.stack([np.ones_like(gone), gone, gone**2], axis=-1))[0]
+    apart = places - places.mean(axis=0)
+    told = apart.T @ ways  # By constant, slope and bend; shape (..., 2, 3).
+    explained = (told**2).sum(axis=(-2, -1)) - told[..., 1, 2] ** 2
+    return np.asarray((apart**2).sum() - explained)
 
 
 def _of_places_off(flights: Flights, period: float) -> Iterator[Gap]:

@@ -19,9 +19,8 @@ BLOCK = 8192
 
 def background(samples: list[Picture]) -> Picture:
     """Return the median of some frames, of their shape and kind."""
-    stacked = cast("Picture", np.stack(samples))
-    flat = stacked.reshape(len(samples), -1)
-    return cast("Picture", _medians(flat).reshape(stacked.shape[1:]))
+    shape = samples[0].shape
+    return cast("Picture", _medians([each.reshape(-1) for each in samples]).reshape(shape))
 
 
 def background_without(samples: Sequence[Singles], hidden: Sequence[NDArray[np.bool_]]) -> Singles:
@@ -51,22 +50,24 @@ def _seen_medians(values: Singles, hidden: NDArray[np.bool_]) -> Singles:
     count = np.where(seen > 0, seen, len(values))
     middle = np.stack([(count - 1) // 2, count // 2])
     found = np.empty(values.shape[1], values.dtype)
-    for start, lines in _sorted(shown):
+    for start, lines in _sorted(list(shown)):
         block = slice(start, start + lines.shape[1])
         found[block] = np.take_along_axis(lines, middle[:, block], axis=0).mean(axis=0)
     return found
 
 
-def _medians(values: Picture) -> Picture:
-    """Return the upper median of each column."""
+def _medians(values: list[Picture]) -> Picture:
+    """Return the upper median of each column of some lines."""
     middle = len(values) // 2
-    found = np.empty(values.shape[1], values.dtype)
+    found = np.empty_like(values[0])
     for start, lines in _sorted(values, middle):
         found[start : start + lines.shape[1]] = lines[middle]
     return found
 
 
-def _sorted(values: NDArray[Any], line: int | None = None) -> Iterator[tuple[int, NDArray[Any]]]:
+def _sorted(
+    values: Sequence[NDArray[Any]], line: int | None = None
+) -> Iterator[tuple[int, NDArray[Any]]]:
     """Give each block of columns, sorted, and its first column.
 
     Each comparison is one of whole lines: a processor does many of them at once.
@@ -76,10 +77,10 @@ def _sorted(values: NDArray[Any], line: int | None = None) -> Iterator[tuple[int
     line
         The one that is wanted: the others may then be out of order.
     """
-    count, width = values.shape
+    count, width = len(values), len(values[0])
     network = _needed(_network(count), set(range(count)) if line is None else {line})
     for start in range(0, width, BLOCK):
-        lines = values[:, start : start + BLOCK].copy()
+        lines = np.stack([each[start : start + BLOCK] for each in values])
         for a, b, low, high in network:
             if low and high:
                 least = np.minimum(lines[a], lines[b])

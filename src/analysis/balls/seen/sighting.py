@@ -128,8 +128,8 @@ class Sight:
             The picture's values over those of what stands still.
         """
         change = self._small(picture) / np.float32(brighter) - self._ground
-        along = np.einsum("rck,rck->rc", change, self._ground)
-        strength = np.einsum("rck,rck->rc", change, change) - SHADE**2 * self._damped * along**2
+        along = _product(change, self._ground)
+        strength = _product(change, change) - SHADE**2 * self._damped * along**2
         box = self._changed(strength)
         response = self._response(change[box], along[box], strength[box], box)
         width = 2 * round(0.7 * self._radius) + 1
@@ -177,6 +177,15 @@ class Sight:
             lines = np.flatnonzero(strong.any(axis=axis)).tolist() or [0]
             sides.append(slice(max(0, lines[0] - reach), lines[-1] + reach + 1))
         return sides[0], sides[1]
+
+
+def _product(left: Singles, right: Singles) -> Singles:
+    """Return the product of two layers at each pixel, summed over channels; shape (rows, columns).
+
+    A third of the time of `einsum`, whose loop is over so few channels.
+    """
+    each = np.atleast_3d(cv2.multiply(left, right))
+    return np.asarray(cv2.transform(each, np.ones((1, each.shape[2]), np.float32)))
 
 
 def _filtered(
