@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import norm
+from scipy.special import log_ndtr, ndtr, ndtri
 
 from analysis.arrays import Floats
 from analysis.balls.flight import path
@@ -154,9 +154,9 @@ def _not_negative(value: float, sigma: float) -> tuple[float, float]:
         mean = spread = sigma / below
         median = math.log(2.0) * mean
     else:
-        ratio = math.exp(float(norm.logpdf(below) - norm.logsf(below)))
+        ratio = math.exp(-0.5 * below**2 - float(log_ndtr(-below))) / math.sqrt(2.0 * math.pi)
         mean, spread = value + sigma * ratio, sigma * math.sqrt(1.0 + below * ratio - ratio**2)
-        median = value + sigma * float(norm.isf(0.5 * norm.sf(below)))
+        median = value + sigma * float(-ndtri(0.5 * ndtr(-below)))
     return median, math.hypot(spread, mean - median)
 
 

@@ -29,7 +29,6 @@ from analysis.document import shot_document
 from analysis.errors import InputError
 from analysis.exchange.description import read_description
 from analysis.exchange.folder import folder_writer
-from analysis.figures.shot import draw_shot
 from analysis.imaging.edge.frame import EdgeSettings
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot
 from analysis.tracking import Matching
@@ -392,9 +391,10 @@ def _written(
             if keep is not None:
                 keep(job.shot, shot)
             if figures is not None:
+                from analysis.figures.shot import draw_shot  # noqa: PLC0415 - loads matplotlib
+
                 figures.mkdir(parents=True, exist_ok=True)
-                title = f"{campaign.name}, shot {job.shot}"
-                pixels = read_frames(job.frames).pixels
-                draw_shot(figures / f"{job.shot:04d}.png", title, pixels, shot)
+                path, title = figures / f"{job.shot:04d}.png", f"{campaign.name}, shot {job.shot}"
+                draw_shot(path, title, read_frames(job.frames).pixels, shot)
 
         yield write
