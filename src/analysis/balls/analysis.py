@@ -21,6 +21,7 @@ from analysis.balls.flight.known import Ball
 from analysis.balls.lens.lens import Lens, StraightFilm
 from analysis.balls.measuring import MeasuredBall, measure_ball
 from analysis.balls.remarks import remarks
+from analysis.balls.seen.left_out import ThinnedError
 from analysis.balls.seen.repeats import BroughtToRateError
 from analysis.errors import ShotRefusedError
 
@@ -147,6 +148,9 @@ def analyse_held(film: Film, times: Floats, ball: Ball, exposure: float | None) 
         once = DistinctFilm(film, again, (rhythm.pictures, rhythm.frames), times)
         found = analyse_held(once, once.times_s, ball, exposure)
         return replace(found, notes=(once.note, *found.notes))
+    except ThinnedError as thinned:
+        found = analyse_held(film, thinned.times(times), ball, exposure)
+        return replace(found, notes=(thinned.note(times), *found.notes))
     except (TurningError, OtherFallError) as refusal:
         refusal.placed = refusal.place(film)
         raise

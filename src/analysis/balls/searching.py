@@ -21,6 +21,7 @@ from analysis.balls.gaps import Gap
 from analysis.balls.seen.arcs import Chain, Sightings
 from analysis.balls.seen.background import Brightness, background, evened, some_pixels
 from analysis.balls.seen.free_fall import STEADY_RADII, shown_bend
+from analysis.balls.seen.left_out import refuse_thinned
 from analysis.balls.seen.looks import (
     LEAST_RADIUS_PX,
     LEAST_SHARE,
@@ -68,7 +69,8 @@ def search(film: Film, times_s: Floats, ball: Ball, *, complete: bool = False) -
     ShotRefusedError
         Too few frames, nothing round that moves, or nothing of it flies freely; `TurningError` of a
         ball that only turns; `InterlacedError` where two pictures are in one; `ShakenError` where
-        the camera moves; `BroughtToRateError` where pictures are repeated in a rhythm.
+        the camera moves; `BroughtToRateError` where pictures are repeated in a rhythm;
+        `ThinnedError` where they are left out in one.
     """
     if film.head.frames < LEAST_FRAMES:
         raise ShotRefusedError(
@@ -170,6 +172,7 @@ def _searches(
     all_seen, gains = _seen(film, sought, *samples)
     for looks, (places, about) in zip(sought, all_seen, strict=True):
         refuse_brought_to_rate(places, times_s)
+        refuse_thinned(places, times_s)
         twice = repeated(places)
         for frame in twice:
             places[frame] = places[frame][:0]
