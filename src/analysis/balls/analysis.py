@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from analysis.arrays import Floats
-from analysis.balls.carried import NotFlyingError, OtherFallError, TurningError
+from analysis.balls.carried import CarriedError, NotFlyingError, OtherFallError, TurningError
 from analysis.balls.even import even_stretches, in_doubt, sure_bounces
 from analysis.balls.films.distinct import DistinctFilm
 from analysis.balls.films.fields import FieldsFilm, InterlacedError
@@ -157,14 +158,15 @@ def analyse_held(film: Film, times: Floats, ball: Ball, exposure: float | None) 
     except ShotRefusedError as refusal:
         if refusal.step != "flight":
             raise
-        turned = _turned(film, times, ball, exposure)
+        ways = [way for way in TURNS if _may_fly(refusal, ball, way)]
+        turned = _turned(film, times, ball, exposure, ways)
         if turned is None:
             if isinstance(refusal, NotFlyingError):
                 refusal.placed = refusal.place(film)
             raise
         return turned
     if measured.bounces == 0 and _seen_elsewhere(measured):
-        turned = _turned(film, times, ball, exposure)
+        turned = _turned(film, times, ball, exposure, TURNS)
         if turned is not None and turned.measured.bounces:
             return turned
     even = _in_one_rate(film, measured, (times, ball, exposure)) if in_doubt(measured) else None
@@ -211,19 +213,37 @@ def _seen_elsewhere(measured: MeasuredBall) -> bool:
     return len(measured.search.unexplained) > flown
 
 
-def _turned(film: Film, times: Floats, ball: Ball, exposure: float | None) -> AnalysedFilm | None:
+def _may_fly(refusal: ShotRefusedError, ball: Ball, turns: int) -> bool:
+    """Return whether a film that was refused may hold a flight once its pictures are turned.
+
+    What was seen of balls in it says so without reading it again.
+    """
+    return not isinstance(refusal, CarriedError) or refusal.flies_turned(ball, turns)
+
+
+def _turned(
+    film: Film, times: Floats, ball: Ball, exposure: float | None, ways: Iterable[int]
+) -> AnalysedFilm | None:
     """Measure a film in which things fall up or sideways; None where they fall no way.
 
-    A way in which the ball bounces goes before one in which it only flies.
+    A way in which the ball bounces goes before one in which it only flies; one flight of fewer
+    frames than those in which the ball is seen elsewhere is none: so a ball moves that is pushed.
+
+    Parameters
+    ----------
+    ways
+        Quarter turns that are tried.
     """
     found: AnalysedFilm | None = None
-    for turns, way in TURNS.items():
+    for turns in ways:
         upright = PartOfFilm(film, Cut(), turns)
         try:
             measured = measure_ball(upright, times, ball, exposure)
         except ShotRefusedError:
             continue
-        note = f"the film {way}: rows and columns are those of the picture turned upright"
+        if measured.bounces == 0 and _seen_elsewhere(measured):
+            continue
+        note = f"the film {TURNS[turns]}: rows and columns are those of the picture turned upright"
         if found is None or measured.bounces:
             found = AnalysedFilm(upright, measured, (note, *remarks(measured)))
         if measured.bounces:

@@ -8,8 +8,9 @@ import numpy as np
 
 from analysis.arrays import Floats
 from analysis.balls.discs.disc import Disc
-from analysis.balls.falling import OtherFall
+from analysis.balls.falling import OtherFall, falls_turned
 from analysis.balls.films.film import Film, Picture
+from analysis.balls.flight.known import Ball
 from analysis.balls.gaps import period_of
 from analysis.balls.seen.arcs import Sightings
 from analysis.balls.seen.looks import Looks
@@ -55,11 +56,22 @@ class CarriedError(NotFlyingError):
     ----------
     looks, seen
         Of the ball, and where something looks like it.
+
+    Attributes
+    ----------
+    others
+        Refusals of discs of other sizes in the same film.
     """
 
     def __init__(self, reason: str, looks: Looks, seen: Sightings) -> None:
         super().__init__(reason, seen.times_s)
         self._looks, self._seen = looks, seen
+        self.others: tuple[CarriedError, ...] = ()
+
+    def flies_turned(self, ball: Ball, quarter_turns: int) -> bool:
+        """Return whether anything flies where the film's pictures are turned by quarter turns."""
+        every = (self, *self.others)
+        return any(falls_turned(one._seen, one._looks, ball, quarter_turns) for one in every)
 
     def place(self, film: Film) -> Placed | None:
         """Return the places of a ball that moves; None where it is seen in too few frames."""

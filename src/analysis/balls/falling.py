@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from analysis.arrays import Floats
+from analysis.balls.flight.known import Ball
 from analysis.balls.found import CLEAR_FRAMES, MUCH_MORE, stated_first
 from analysis.balls.gaps import Gap, mended
 from analysis.balls.seen.arcs import Arc, Chain, Sightings, chains, find_arcs, joined
@@ -42,6 +43,21 @@ LEAST_OF_SEEN = 1 / 3
 
 Flights = tuple[list[Chain], Chain, Floats]
 """Chains, the part of the strongest that the ball flies, and its fall."""
+
+
+def stated_fall(ball: Ball, looks: Looks) -> Floats:
+    """Return free fall in the picture by a ball's stated size, (row, column) in px/s^2."""
+    return np.array([ball.gravity * 2 * looks.radius_px / ball.diameter_m, 0.0])
+
+
+def falls_turned(seen: Sightings, looks: Looks, ball: Ball, quarter_turns: int) -> bool:
+    """Return whether a ball flies where its picture is turned by quarter turns.
+
+    Its discs and the places that look like it turn with the picture.
+    """
+    turned, stated = seen.turned(quarter_turns), stated_fall(ball, looks)
+    flights = flights_of(turned, looks, stated)
+    return flights is not None or without_jumps(turned, looks, stated, None)[2] is not None
 
 
 def without_jumps(

@@ -11,7 +11,7 @@ from analysis.arrays import Floats
 from analysis.balls.carried import CarriedError, OtherFallError, TurningError
 from analysis.balls.discs.disc import Disc
 from analysis.balls.discs.finding import find_balls
-from analysis.balls.falling import flights_of, other_fall, without_jumps
+from analysis.balls.falling import flights_of, other_fall, stated_fall, without_jumps
 from analysis.balls.films.fields import refuse_combed
 from analysis.balls.films.film import Film, FilmHead, Picture, spread_frames
 from analysis.balls.films.steady import refuse_shaken
@@ -88,7 +88,7 @@ def search(film: Film, times_s: Floats, ball: Ball, *, complete: bool = False) -
         raise TurningError(turning, ground, times_s)
     found: list[tuple[int, Disc]] = []
     seen: list[Search] = []
-    refused: ShotRefusedError | None = None
+    carried: list[CarriedError] = []
     otherwise: OtherFallError | None = None
     best: Search | None = None
     for radii, share in _size_ranges(ground):
@@ -100,8 +100,8 @@ def search(film: Film, times_s: Floats, ball: Ball, *, complete: bool = False) -
             if isinstance(one, OtherFallError):
                 otherwise = max(otherwise or one, one, key=lambda each: each.fall.frames)
                 continue
-            if isinstance(one, ShotRefusedError):
-                refused = refused or one
+            if isinstance(one, CarriedError):
+                carried.append(one)
                 continue
             seen.append(one)
         best = best_of(seen) if seen else None
@@ -115,7 +115,10 @@ def search(film: Film, times_s: Floats, ball: Ball, *, complete: bool = False) -
         others = tuple((one.chain, True) for one in seen if another(one, best))
         best = _uncovered(best, (film, times_s, ball), (read, samples, ground), complete=complete)
         return replace(best, others=(*best.others, *others), shake_shown=shake_shown)
-    raise refused or ShotRefusedError(
+    if carried:
+        carried[0].others = tuple(carried[1:])
+        raise carried[0]
+    raise ShotRefusedError(
         "ball",
         f"nothing round moves in this film: {len(samples)} of its {head.frames} frames "
         f"were looked at{_at_rest(ground)}; check that the ball is in the picture and the "
@@ -165,7 +168,7 @@ def _searches(
     samples: tuple[dict[int, Picture], Picture],
     *,
     complete: bool,
-) -> Iterator[Search | ShotRefusedError]:
+) -> Iterator[Search | CarriedError]:
     """Give the flights of each of some balls, or why it has none."""
     if not sought:
         return
@@ -177,7 +180,7 @@ def _searches(
         for frame in twice:
             places[frame] = places[frame][:0]
         seen = Sightings(times_s, places, (film.head.height, film.head.width))
-        stated = np.array([ball.gravity * 2 * looks.radius_px / ball.diameter_m, 0.0])
+        stated = stated_fall(ball, looks)
         gaps: tuple[Gap, ...] = ()
         flights = flights_of(seen, looks, stated)
         if not complete:
