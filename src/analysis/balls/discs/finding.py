@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from analysis.arrays import Floats, Singles
 from analysis.balls.discs.alike import circles, shrunk
 from analysis.balls.discs.candidates import RADIUS_STEP, candidates
+from analysis.balls.discs.company import company
 from analysis.balls.discs.disc import (
     LIKE_RADIUS,
     Disc,
@@ -43,9 +44,10 @@ SHARP, SHARPER, MOST_SHARPER = 1.3, 50.0, 0.02
 it, and how far above it counts."""
 SOFTER = 0.07
 """By how much less sharp than theirs the rim of a disc like others may be."""
-LEAST_ODDS, LEAST_ALIKE, LEAST_DOUBTFUL = -0.2, -2.2, -1.9
-"""Least logarithm of the odds that a disc is a ball's, by all that is seen of it; of a disc that is
-like others; and where doubtful discs are asked for."""
+LEAST_ODDS, LEAST_CLUTTERED, LEAST_DOUBTFUL = -0.2, 0.4, -1.9
+"""Least logarithm of the odds that a disc is a ball's, by all that is seen of it and of others like
+it; of a picture with circles that are no balls, which has more of these; and where doubtful discs
+are asked for."""
 
 
 def find_balls(
@@ -99,15 +101,19 @@ class _Candidate:
 
 @dataclass(frozen=True, slots=True)
 class _Found:
-    """A circle as edges of one size of the picture show it, and fitted to those of the whole."""
+    """A circle as edges of one size of the picture show it, and fitted to those of the whole.
+
+    `odds` is the logarithm of the odds that it is a ball's, by what is seen of itself.
+    """
 
     disc: Disc
     refined: Disc
+    odds: float = 0.0
 
 
 def _of_versions(values: Singles, sought: _Sought, versions: tuple[int | None, ...]) -> list[Disc]:
     found: list[Disc] = []
-    for disc in _with_rims(values, _accepted(values, sought, versions), sought):
+    for disc in _with_rims(values, *_accepted(values, sought, versions), sought):
         # Two circles within one rim, or of a picture through what is no circle, may both be there.
         same = any(one(disc, other) for other in found)
         if not same and not (sought.blotched and any(doubled(disc, other) for other in found)):
@@ -115,10 +121,13 @@ def _of_versions(values: Singles, sought: _Sought, versions: tuple[int | None, .
     return sorted(found, key=lambda disc: disc.log_alarms)
 
 
-def _accepted(values: Singles, sought: _Sought, versions: tuple[int | None, ...]) -> list[_Found]:
+def _accepted(
+    values: Singles, sought: _Sought, versions: tuple[int | None, ...]
+) -> tuple[list[_Found], bool]:
     """Return circles that are discs, the surest first, each without the edges of those before it.
 
-    A circle through what is no disc takes no edges away: those of a ball may be among them.
+    A circle through what is no disc takes no edges away: those of a ball may be among them. Whether
+    there are such circles comes second; rings and shadows are none.
     """
     radii = sought.radii
     least = sought.least + sought.blotched * SHARPER * MOST_SHARPER
@@ -136,14 +145,15 @@ def _accepted(values: Singles, sought: _Sought, versions: tuple[int | None, ...]
             if disc is not None and disc.log_alarms < least - level.margin:
                 waiting.append(_Candidate(index, disc))
     accepted: list[_Found] = []
+    cluttered = False
     while waiting:
         waiting.sort(key=lambda each: each.disc.log_alarms, reverse=True)
         best = _outermost(waiting, waiting.pop()).disc
         if radii[0] * 0.97 <= best.radius <= radii[1] * 1.03:
-            beside = [each.refined for each in accepted]
-            beside += [each.disc for each in waiting if _may_hide(each.disc, best)]
-            found = _disc_at(values, best, beside, sought)
-            if found is None:
+            hiding = [each.disc for each in waiting if _may_hide(each.disc, best)]
+            found = _disc_at(values, best, hiding, accepted, sought)
+            if found is None or not _is_ball(values, found, accepted, cluttered, sought):
+                cluttered |= found is not None and -math.inf < found.odds < LEAST_ODDS
                 waiting = [each for each in waiting if not _less_sure(each.disc, best)]
                 continue
             accepted.append(found)
@@ -161,7 +171,7 @@ def _accepted(values: Singles, sought: _Sought, versions: tuple[int | None, ...]
                 continue
             rest.append(_Candidate(other.level, again))
         waiting = rest
-    return accepted
+    return accepted, cluttered
 
 
 def _may_hide(disc: Disc, other: Disc) -> bool:
@@ -172,50 +182,60 @@ def _less_sure(disc: Disc, than: Disc) -> bool:
     return disc.log_alarms >= than.log_alarms and one(disc, than)
 
 
-def _disc_at(values: Singles, disc: Disc, others: list[Disc], sought: _Sought) -> _Found | None:
-    """Return a circle fitted to its rim, if that is a disc's, beside surer ones."""
+def _disc_at(
+    values: Singles, disc: Disc, hiding: list[Disc], known: list[_Found], sought: _Sought
+) -> _Found | None:
+    """Return a circle fitted to its rim, if chance does not explain it, beside surer ones."""
     if not sought.blotched:
         return _Found(disc, at_rim(values, disc, sought.sigma_px))
     sharp = _with_sharpness(values, disc, sought)
     if sharp.log_alarms >= sought.least:
         return None
     refined = at_rim(values, sharp, sought.sigma_px)
-    return _Found(sharp, refined) if _is_ball(values, refined, others, sought) else None
+    others = [each.refined for each in known] + hiding
+    return _Found(sharp, refined, log_odds(values, refined, sought.sigma_px, others))
 
 
-def _with_rims(values: Singles, accepted: list[_Found], sought: _Sought) -> list[Disc]:
+def _with_rims(
+    values: Singles, accepted: list[_Found], cluttered: bool, sought: _Sought
+) -> list[Disc]:
     """Return those of the circles that are rims, and discs like these."""
     discs = [each.disc for each in accepted]
     # The border of what is lit, or saturated, on a sphere is a circle too, next to its rim or not.
     rims = _rims([disc for disc in discs if not any(on(disc, other) for other in discs)])
-    refined = [each.refined for each in accepted if any(each.disc is disc for disc in rims)]
-    return refined + _alike(values, sought, refined) if sought.blotched else refined
+    found = [each for each in accepted if any(each.disc is disc for disc in rims)]
+    refined = [each.refined for each in found]
+    return refined + _alike(values, sought, found, cluttered) if sought.blotched else refined
 
 
 def _is_ball(
-    values: Singles, disc: Disc, others: list[Disc], sought: _Sought, least: float = LEAST_ODDS
+    values: Singles, found: _Found, known: list[_Found], cluttered: bool, sought: _Sought
 ) -> bool:
-    least = min(least, LEAST_DOUBTFUL) if sought.least > SURE else least
-    likely = log_odds(values, disc, sought.sigma_px, others) >= least
-    return likely and is_round(values, _place(disc), sought.sigma_px)
+    if not sought.blotched:
+        return True
+    least = LEAST_CLUTTERED if cluttered else LEAST_ODDS
+    least = LEAST_DOUBTFUL if sought.least > SURE else least
+    odds = found.odds + company(found.refined, ((each.refined, each.odds) for each in known))
+    return odds >= least and is_round(values, _place(found.refined), sought.sigma_px)
 
 
-def _alike(values: Singles, sought: _Sought, found: list[Disc]) -> list[Disc]:
+def _alike(values: Singles, sought: _Sought, known: list[_Found], cluttered: bool) -> list[Disc]:
     """Return discs like those found, which need neither votes nor edges where those show rims."""
+    found = [each.refined for each in known]
     groups = _groups(found)
     # A circle is tried at each row and column, with three radii.
     tests = math.log10(values.shape[0] * values.shape[1] * 3 * max(1, len(groups)))
     more: list[Disc] = []
     grounds: dict[float, Ground] = {}
     for group in groups:
-        own, known = (np.array([_place(each) for each in some]) for some in (group, found + more))
+        own, others = (np.array([_place(each) for each in some]) for some in (group, found + more))
         factor = shrunk(own)
         if factor not in grounds:
             grounds[factor] = ground_of(values, factor)
         likely = [
             Disc(row, column, radius, *3 * (NO_RIM_RADII * radius,), rim, alarms)
             for row, column, radius, alarms, rim in circles(
-                grounds[factor], own, known, tests
+                grounds[factor], own, others, tests
             ).tolist()
         ]
         crisp = float(np.median([_sharpness(values, disc, sought) for disc in group]))
@@ -228,9 +248,10 @@ def _alike(values: Singles, sought: _Sought, found: list[Disc]) -> list[Disc]:
             if _sharpness(values, disc, sought) < crisp - SOFTER:
                 continue
             best = at_rim(values, disc, sought.sigma_px)
-            if same_rim(best, disc) and _is_ball(
-                values, best, [*found, *more], sought, LEAST_ALIKE
-            ):
+            if not same_rim(best, disc):
+                continue
+            odds = log_odds(values, best, sought.sigma_px, [*found, *more])
+            if _is_ball(values, _Found(disc, best, odds), known, cluttered, sought):
                 more.append(best)
     return more
 
