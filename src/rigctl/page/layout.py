@@ -43,6 +43,13 @@ new MutationObserver(
 connection."""
 LOOK, DARK, YEAR_S = "rigctl-look", "dark", 31_536_000
 """The cookie that keeps dark or light."""
+TURN = f"""(() => {{
+    const dark = !document.body.classList.contains("body--dark");
+    const look = dark ? "{DARK}" : "light";
+    document.cookie = `{LOOK}=${{look}}; path=/; max-age={YEAR_S}; SameSite=Strict`;
+    return dark;
+}})()"""
+"""Keeps the look that the page does not have, and returns whether it is dark."""
 DANGEROUS = frozenset({RigState.ARMED, RigState.FIRING, RigState.CAPTURING})
 
 
@@ -122,11 +129,11 @@ def _chosen_look() -> bool | None:
 
 
 async def _turn(dark: ui.dark_mode) -> None:
-    """Turn dark and light about, and keep the choice in the browser for all pages."""
-    turned = not await ui.run_javascript("document.body.classList.contains('body--dark')")
-    dark.set_value(turned)
-    kept = f"{LOOK}={DARK if turned else 'light'}; path=/; max-age={YEAR_S}; SameSite=Strict"
-    ui.run_javascript(f"document.cookie = '{kept}'")
+    """Turn dark and light about, and keep the choice in the browser for all pages.
+
+    It is kept before it is shown: a page that is opened at once has it.
+    """
+    dark.set_value(await ui.run_javascript(TURN))
 
 
 def _hear_once_connected(part: ui.element) -> None:
