@@ -50,6 +50,8 @@ TURN = f"""(() => {{
     return dark;
 }})()"""
 """Keeps the look that the page does not have, and returns whether it is dark."""
+ANSWER_S = 20.0
+"""Wait for a browser, which may be busy; after it nothing is turned."""
 DANGEROUS = frozenset({RigState.ARMED, RigState.FIRING, RigState.CAPTURING})
 
 
@@ -133,7 +135,7 @@ async def _turn(dark: ui.dark_mode) -> None:
 
     It is kept before it is shown: a page that is opened at once has it.
     """
-    dark.set_value(await ui.run_javascript(TURN))
+    dark.set_value(await ui.run_javascript(TURN, timeout=ANSWER_S))
 
 
 def _hear_once_connected(part: ui.element) -> None:
