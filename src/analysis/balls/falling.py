@@ -50,14 +50,24 @@ def stated_fall(ball: Ball, looks: Looks) -> Floats:
     return np.array([ball.gravity * 2 * looks.radius_px / ball.diameter_m, 0.0])
 
 
+def turned(seen: Sightings, quarter_turns: int) -> Sightings:
+    """Return what is seen in pictures that are turned by quarter turns, as by `np.rot90`."""
+    places, shape = list(seen.places), seen.shape
+    for _ in range(quarter_turns % 4):
+        last = shape[1] - 1
+        places = [np.stack([last - p[:, 1], p[:, 0], p[:, 2]], axis=1) for p in places]
+        shape = shape[::-1]
+    return replace(seen, places=places, shape=shape)
+
+
 def falls_turned(seen: Sightings, looks: Looks, ball: Ball, quarter_turns: int) -> bool:
     """Return whether a ball flies where its picture is turned by quarter turns.
 
     Its discs and the places that look like it turn with the picture.
     """
-    turned, stated = seen.turned(quarter_turns), stated_fall(ball, looks)
-    flights = flights_of(turned, looks, stated)
-    return flights is not None or without_jumps(turned, looks, stated, None)[2] is not None
+    about, stated = turned(seen, quarter_turns), stated_fall(ball, looks)
+    flights = flights_of(about, looks, stated)
+    return flights is not None or without_jumps(about, looks, stated, None)[2] is not None
 
 
 def without_jumps(

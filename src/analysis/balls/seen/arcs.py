@@ -104,15 +104,6 @@ class Sightings:
     places: Sequence[Floats]
     shape: tuple[int, int]
 
-    def turned(self, quarter_turns: int) -> Sightings:
-        """Return what is seen in pictures that are turned by quarter turns, as by `np.rot90`."""
-        places, shape = list(self.places), self.shape
-        for _ in range(quarter_turns % 4):
-            last = shape[1] - 1
-            places = [np.stack([last - p[:, 1], p[:, 0], p[:, 2]], axis=1) for p in places]
-            shape = shape[::-1]
-        return replace(self, places=places, shape=shape)
-
 
 def find_arcs(seen: Sightings, radius_px: float, fall: Floats) -> list[Arc]:
     """Return pieces of free flight, in order of time; no sighting belongs to two.

@@ -10,6 +10,7 @@ import pytest
 from analysis.balls import analysis
 from analysis.balls.analysis import analyse_held
 from analysis.balls.carried import CarriedError
+from analysis.balls.falling import turned
 from analysis.balls.films.film import Film, HeldFilm
 from analysis.balls.films.part import Cut, PartOfFilm
 from analysis.balls.flight.known import Ball
@@ -53,11 +54,11 @@ def test_a_film_in_which_a_ball_falls_elsewhere_is_measured_turned(turns: int) -
 def test_places_turn_with_their_pictures(turns: int) -> None:
     marked = np.zeros((1, 24, 16), np.uint8)
     marked[0, 5, 11] = 255
-    seen = Sightings(np.zeros(1), [np.array([[5.0, 11.0, 1.0]])], (24, 16)).turned(turns)
-    (turned,) = PartOfFilm(HeldFilm(Path("film"), marked), Cut(), turns).pictures()
-    assert seen.shape == turned.shape[:2]
+    seen = turned(Sightings(np.zeros(1), [np.array([[5.0, 11.0, 1.0]])], (24, 16)), turns)
+    (shown,) = PartOfFilm(HeldFilm(Path("film"), marked), Cut(), turns).pictures()
+    assert seen.shape == shown.shape[:2]
     (place,) = seen.places
-    assert turned[int(place[0, 0]), int(place[0, 1]), 0] == 255
+    assert shown[int(place[0, 0]), int(place[0, 1]), 0] == 255
 
 
 def test_a_ball_that_is_pushed_and_rolls_flies_in_no_film_that_lies_on_its_side() -> None:
