@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.arrays import Floats
+from analysis.balls.seen.repeats import evenly_timed
 from analysis.errors import ShotRefusedError
 
 Flags = NDArray[np.bool_]
@@ -35,8 +36,6 @@ of these costs: rhythms drift, as of 29.97 pictures a second, and slip."""
 LEAST_GAIN, LEAST_SEEN, SEEN, KEPT = 20.0, 4, 3.0, 0.8
 """What a rhythm explains, as a logarithm of odds; places where pictures are left out that are to be
 seen, the odds of one that is, and the share of those of a rhythm that are seen so."""
-MOST_UNEVEN = 0.02
-"""Of the time from frame to frame: a film whose times are less even has times of its own."""
 
 
 class ThinnedError(ShotRefusedError):
@@ -90,8 +89,7 @@ def refuse_thinned(places: Sequence[Floats], times_s: Floats) -> None:
     times_s
         Of the frames, s.
     """
-    gone = np.diff(times_s)
-    if len(gone) <= STEPS or np.ptp(gone) > MOST_UNEVEN * np.median(gone):
+    if len(times_s) <= STEPS + 1 or not evenly_timed(times_s):
         return
     middle = np.array([p[0, :2] if len(p) else (np.nan, np.nan) for p in places]).reshape(-1, 2)
     for fewest in range(1, MOST_RATIO):

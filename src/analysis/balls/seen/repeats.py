@@ -70,6 +70,12 @@ class BroughtToRateError(ShotRefusedError):
         self.rhythm = rhythm
 
 
+def evenly_timed(times_s: Floats) -> bool:
+    """Return whether frames have the times of a rate, but for how a file rounds them."""
+    gone = np.diff(times_s)
+    return bool(np.ptp(gone) <= MOST_UNEVEN * np.median(gone))
+
+
 def refuse_brought_to_rate(places: Sequence[Floats], times_s: Floats) -> None:
     """Raise `BroughtToRateError` where even frames repeat pictures that are evenly spaced in time.
 
@@ -83,8 +89,7 @@ def refuse_brought_to_rate(places: Sequence[Floats], times_s: Floats) -> None:
     times_s
         Of the frames, s.
     """
-    gone = np.diff(times_s)
-    if len(gone) < MOST_FRAMES or np.ptp(gone) > MOST_UNEVEN * np.median(gone):
+    if len(times_s) <= MOST_FRAMES or not evenly_timed(times_s):
         return
     steps = _steps(places)
     told = _told(steps)

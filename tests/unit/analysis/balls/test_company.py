@@ -17,8 +17,9 @@ def disc(row: float, column: float, radius: float = 20.0) -> Disc:
     return Disc(row, column, radius, 0.1, 0.1, 0.1, 1.0, -30.0)
 
 
-def test_one_like_disc_nine_radii_away_doubles_the_odds_to_the_power_of_1_4() -> None:
-    assert company(disc(50.0, 40.0), [(disc(50.0, 220.0), 3.0)]) == pytest.approx(1.4 * math.log(2))
+def test_a_disc_twice_as_far_away_counts_a_quarter_as_by_chance_four_are_as_near() -> None:
+    near, far = (company(disc(50.0, 40.0), [(disc(50.0, at), 3.0)]) for at in (4040.0, 8040.0))
+    assert near / far == pytest.approx(4.0, rel=0.02)
 
 
 @pytest.mark.parametrize(

@@ -25,9 +25,12 @@ def seen(which: list[int], across_px: float = 0.0) -> list[Place]:
     ]
 
 
-def pictures_of(which: list[int], across_px: float = 0.0) -> list[int] | None:
+def pictures_of(
+    which: list[int], across_px: float = 0.0, rounded_s: float = 1e-6
+) -> list[int] | None:
+    times = np.arange(len(which)) * SLOW / RATE
     try:
-        refuse_thinned(seen(which, across_px), np.arange(len(which)) * SLOW / RATE)
+        refuse_thinned(seen(which, across_px), np.rint(times / rounded_s) * rounded_s)
     except ThinnedError as thinned:
         return [int(n) for n in thinned.pictures]
     return None
@@ -44,6 +47,11 @@ def test_pictures_that_are_left_out_in_a_rhythm_are_told(ratio: float, phase: fl
     which = shown(ratio, phase, 100)
     found = pictures_of(which, 3.0)
     assert found == which
+
+
+def test_times_that_a_file_rounds_are_those_of_a_rate() -> None:
+    which = shown(1.2, 0.0, 100)
+    assert pictures_of(which, 3.0, rounded_s=2e-3) == which
 
 
 def test_a_rhythm_that_slips_once_is_followed() -> None:
