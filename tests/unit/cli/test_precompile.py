@@ -7,7 +7,15 @@ from pathlib import Path
 import pytest
 
 from analysis.balls.document import ball_document
-from rigctl.cli.frames.precompile import DISC_PX, REBOUND, locate_drawn_disc, measure_drawn_ball
+from rigctl.cli.frames.precompile import (
+    DISC_PX,
+    REBOUND,
+    RESTS_PX,
+    SHAPE,
+    locate_drawn_disc,
+    look_for_resting_ball,
+    measure_drawn_ball,
+)
 
 
 def test_the_drawn_film_is_measured_through_its_bounce(tmp_path: Path) -> None:
@@ -19,3 +27,8 @@ def test_the_drawn_film_is_measured_through_its_bounce(tmp_path: Path) -> None:
 def test_the_drawn_disc_is_found_where_it_was_drawn() -> None:
     row, column, _ = locate_drawn_disc()
     assert (row, column) == pytest.approx((DISC_PX / 2, DISC_PX / 2), abs=0.05)
+
+
+def test_the_drawn_ball_that_rests_is_found_on_its_place(tmp_path: Path) -> None:
+    said = look_for_resting_ball(tmp_path / "rests")
+    assert f"rests or turns on its place: at ({RESTS_PX}, {SHAPE[1] / 2})" in said

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Sequence
 from concurrent.futures import Future
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ from analysis.balls.flight.known import Ball
 from analysis.campaign import analyse_campaign, read_campaign
 from analysis.effects.catalogue import CATALOGUE
 from analysis.effects.contact import lasting_contact
+from analysis.errors import ShotRefusedError
 from analysis.imaging.outlines import Place
 from analysis.model.data.gather import gather
 from analysis.model.fitting.robust_fit import robust_fit
@@ -30,12 +32,14 @@ FILMED, TABULATED = 4, 20
 RATE_HZ, FALL_PX_PER_S2, RADIUS_PX = 200.0, 2800.0, 14.0
 TOP_PX, PLATE_PX, SHAPE, REBOUND = 40.0, 200.0, (240, 120), 0.8
 """Of the drawn film: a ball falls from rest onto a plate and bounces."""
+RESTS_PX, RESTS_FRAMES = 120.0, 12
+"""Of another one: the row at which a ball rests, and for how many frames."""
 DISC_PX = 64
 """Side of the picture of one disc."""
 
 
 def precompile() -> None:
-    """Measure a simulated campaign by both methods, a drawn film and a disc, explain another.
+    """Measure a simulated campaign by both methods, drawn films and a disc, explain another.
 
     In two processes. What is compiled already takes seconds.
 
@@ -55,6 +59,7 @@ def precompile() -> None:
             workers.submit(_explain, tabulated),
             workers.submit(_measure, filmed, "thesis"),
             workers.submit(measure_drawn_ball, Path(folder) / "ball"),
+            workers.submit(look_for_resting_ball, Path(folder) / "rests"),
             workers.submit(locate_drawn_disc),
         ]
         for done, part in enumerate(parts):
@@ -81,14 +86,37 @@ def measure_drawn_ball(folder: Path) -> AnalysedFilm:
     OSError
         There is no room for the film.
     """
-    folder.mkdir()
-    rng = np.random.default_rng(1)
     contact_s = np.sqrt(2.0 * (PLATE_PX - TOP_PX) / FALL_PX_PER_S2)
-    for k, time_s in enumerate(np.arange(0.0, 1.5 * contact_s, 1.0 / RATE_HZ)):
+    rows = []
+    for time_s in np.arange(0.0, 1.5 * contact_s, 1.0 / RATE_HZ):
         since = time_s if time_s < contact_s else time_s - contact_s
         up = REBOUND * FALL_PX_PER_S2 * contact_s
         begun, speed = (TOP_PX, 0.0) if time_s < contact_s else (PLATE_PX, -up)
-        row = begun + speed * since + 0.5 * FALL_PX_PER_S2 * since**2
+        rows.append(begun + speed * since + 0.5 * FALL_PX_PER_S2 * since**2)
+    return _analysed(folder, rows)
+
+
+def look_for_resting_ball(folder: Path) -> str:
+    """Draw a ball that rests into a new folder, and return why none is measured that flies.
+
+    What is looked for then needs functions that the film of a flight does not.
+
+    Raises
+    ------
+    OSError
+        There is no room for the film.
+    """
+    try:
+        _analysed(folder, [RESTS_PX] * RESTS_FRAMES)
+    except ShotRefusedError as refused:
+        return str(refused)
+    return ""
+
+
+def _analysed(folder: Path, rows: Sequence[float]) -> AnalysedFilm:
+    folder.mkdir()
+    rng = np.random.default_rng(1)
+    for k, row in enumerate(rows):
         seen = np.full(SHAPE, 60, np.uint8)
         centre = round(16 * SHAPE[1] / 2), round(16 * row)
         cv2.circle(seen, centre, round(16 * RADIUS_PX), 200, cv2.FILLED, cv2.LINE_AA, 4)
