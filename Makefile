@@ -42,7 +42,7 @@ $(READY): requirements.lock pyproject.toml
 	# On all cores, where pip takes one. Packages hold templates that are no Python.
 	-$(BIN)/python -m compileall -qq -j 0 $(VENV)/lib
 	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation -e .
-	# Two processes, some 100 s each, once: no first shot waits for the compiler.
+	# Two processes, some 115 s each, once: no first shot waits for the compiler.
 	$(BIN)/rigctl precompile
 	touch $@
 

@@ -9,12 +9,16 @@ import pytest
 from analysis.balls.document import ball_document
 from rigctl.cli.frames.precompile import (
     DISC_PX,
+    HALF_AXES,
     REBOUND,
     RESTS_PX,
     SHAPE,
+    SMEARED_SHAPE,
+    find_smeared_disc,
     locate_drawn_disc,
     look_for_resting_ball,
     measure_drawn_ball,
+    place_ball_with_patches,
 )
 
 
@@ -32,3 +36,14 @@ def test_the_drawn_disc_is_found_where_it_was_drawn() -> None:
 def test_the_drawn_ball_that_rests_is_found_on_its_place(tmp_path: Path) -> None:
     said = look_for_resting_ball(tmp_path / "rests")
     assert f"rests or turns on its place: at ({RESTS_PX}, {SHAPE[1] / 2})" in said
+
+
+def test_the_smeared_disc_is_one_and_lies_in_its_oval() -> None:
+    (found,) = find_smeared_disc()
+    (row, column), (across, down) = (n / 2 for n in SMEARED_SHAPE), HALF_AXES
+    assert abs(found.row - row) < down / 2
+    assert abs(found.column - column) < across / 2
+
+
+def test_the_ball_with_patches_is_placed_where_it_was_drawn() -> None:
+    assert place_ball_with_patches() == pytest.approx((DISC_PX / 2, DISC_PX / 2), abs=0.1)

@@ -10,9 +10,14 @@ from typing import Any
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from analysis.balls.analysis import AnalysedFilm, FilmJob, analyse_film
+from analysis.balls.discs.disc import Disc
+from analysis.balls.discs.finding import find_balls
 from analysis.balls.flight.known import Ball
+from analysis.balls.seen.placing import Placer
+from analysis.balls.seen.windows import Motion, Window
 from analysis.campaign import analyse_campaign, read_campaign
 from analysis.effects.catalogue import CATALOGUE
 from analysis.effects.contact import lasting_contact
@@ -36,6 +41,8 @@ RESTS_PX, RESTS_FRAMES = 120.0, 12
 """Of another one: the row at which a ball rests, and for how many frames."""
 DISC_PX = 64
 """Side of the picture of one disc."""
+SMEARED_SHAPE, HALF_AXES = (240, 320), (26, 21)
+"""Of a picture of one disc that is smeared: a wide picture, and half as wide and high as it is."""
 
 
 def precompile() -> None:
@@ -61,6 +68,8 @@ def precompile() -> None:
             workers.submit(measure_drawn_ball, Path(folder) / "ball"),
             workers.submit(look_for_resting_ball, Path(folder) / "rests"),
             workers.submit(locate_drawn_disc),
+            workers.submit(find_smeared_disc),
+            workers.submit(place_ball_with_patches),
         ]
         for done, part in enumerate(parts):
             report(f"compiling: {done} of {len(parts)} parts")
@@ -129,8 +138,30 @@ def _analysed(folder: Path, rows: Sequence[float]) -> AnalysedFilm:
 def locate_drawn_disc() -> Place:
     """Draw a disc in the middle and return where its edges are, as `rigctl qualify` finds it."""
     middle = DISC_PX / 2
+    return locate(_drawn_disc()[None], [(middle, middle, RADIUS_PX)], "exact")[0]
+
+
+def _drawn_disc() -> NDArray[np.uint8]:
     seen = np.full((DISC_PX, DISC_PX), 60, np.uint8)
-    centre = round(16 * middle), round(16 * middle)
+    centre = (8 * DISC_PX, 8 * DISC_PX)
     cv2.circle(seen, centre, round(16 * RADIUS_PX), 200, cv2.FILLED, cv2.LINE_AA, 4)
-    frames = cv2.GaussianBlur(seen, (0, 0), 0.7)[None].astype(np.uint8)
-    return locate(frames, [(middle, middle, RADIUS_PX)], "exact")[0]
+    return np.asarray(cv2.GaussianBlur(seen, (0, 0), 0.7), np.uint8)
+
+
+def find_smeared_disc() -> list[Disc]:
+    """Draw a disc that is smeared to an oval, and look for discs and more that are like them."""
+    seen = np.full(SMEARED_SHAPE, 8.0, np.float32)
+    middle = SMEARED_SHAPE[1] // 2, SMEARED_SHAPE[0] // 2
+    cv2.ellipse(seen, middle, HALF_AXES, 0, 0, 360, (240.0,), cv2.FILLED, cv2.LINE_AA)
+    noise = np.random.default_rng(1).normal(0.0, 1.0, SMEARED_SHAPE)
+    return find_balls(cv2.GaussianBlur(seen, (0, 0), 1.0) + noise, (6.0, 80.0))
+
+
+def place_ball_with_patches() -> tuple[float, float]:
+    """Draw a disc and return its place, (row, column) in px, as that of a ball with patches."""
+    grey = _drawn_disc() / 60.0
+    ground = np.ones_like(grey)
+    window = Window(0, 0, 0, np.stack([grey, ground, ground, np.zeros_like(grey)]))
+    start = Motion(np.zeros(1, np.intp), np.full((1, 2), DISC_PX / 2), np.zeros((1, 2)))
+    row, column = Placer.new(RADIUS_PX, 0.0, patched=True).place([window], start).places[0]
+    return float(row), float(column)
