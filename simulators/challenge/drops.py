@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from simulators.challenge.vectors import cross
+from simulators.challenge.vectors import added, crossed, dot, times, triple
 
 Floats = NDArray[np.float64]
 
@@ -105,37 +105,39 @@ class Body:
 
 def bounce(drop: Drop, met: Body) -> tuple[Body, float]:
     """Follow a contact from touch to parting; return the sphere then, and how long it took, s."""
-    n, m, r = drop.normal, drop.mass_kg, drop.radius_m
+    n, m, r = triple(drop.normal), drop.mass_kg, drop.radius_m
     k, c, power = drop.stiffness, drop.dashpot, 0.5 if drop.viscous else 0.25
     inertia, tangential = 0.4 * m * r * r, 2.0 / 7.0 * m
-    speed = float(met.velocity @ n)
-    step = drop.duration_s * speed**-0.2 / _CONTACT_STEPS
-    depth, velocity, spin, spring = 0.0, met.velocity.copy(), met.spin.copy(), np.zeros(3)
-    place, angle, time = met.place.copy(), np.zeros(3), 0.0
+    place, velocity, spin = triple(met.place), triple(met.velocity), triple(met.spin)
+    step = drop.duration_s * dot(velocity, n) ** -0.2 / _CONTACT_STEPS
+    depth, time, spring, angle = 0.0, 0.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    fall = (GRAVITY, 0.0, 0.0)
     while True:
         # Velocities half a step on, places a step on: second order, and as plain as can be.
-        into = float(velocity @ n)
+        into = dot(velocity, n)
         depth += step * into
         if depth <= 0.0:
             break
         push = max(k * depth**1.5 + c * depth**power * into, 0.0)
-        arm = r - depth
-        slip = velocity - into * n + cross(spin, arm * n)
+        arm = times(r - depth, n)
+        slip = added(added(velocity, -into, n), 1.0, crossed(spin, arm))
         stiff = drop.stiffness_ratio * 1.5 * k * math.sqrt(depth)
-        spring = spring + step * slip
-        length = math.sqrt(spring @ spring)
+        spring = added(spring, step, slip)
+        length = math.sqrt(dot(spring, spring))
         if stiff * length > drop.friction * push:
-            spring = spring * (drop.friction * push / (stiff * length))
+            spring = times(drop.friction * push / (stiff * length), spring)
         damped = 2.0 * drop.tangential_damping * math.sqrt(stiff * tangential)
-        drag = -stiff * spring - damped * slip
-        size = math.sqrt(drag @ drag)
+        drag = added(times(-stiff, spring), -damped, slip)
+        size = math.sqrt(dot(drag, drag))
         if size > drop.friction * push:
-            drag = drag * (drop.friction * push / size)
-        velocity = velocity + step / m * (drag - push * n)
-        velocity[0] += step * GRAVITY
-        spin = spin + step / inertia * cross(arm * n, drag)
-        place, angle, time = place + step * velocity, angle + step * spin, time + step
-    return Body(place, velocity, spin, Rotation.from_rotvec(angle) * met.turned), time
+            drag = times(drop.friction * push / size, drag)
+        velocity = added(velocity, step / m, added(drag, -push, n))
+        velocity = added(velocity, step, fall)
+        spin = added(spin, step / inertia, crossed(arm, drag))
+        place, angle = added(place, step, velocity), added(angle, step, spin)
+        time += step
+    turned = Rotation.from_rotvec(angle) * met.turned
+    return Body(np.array(place), np.array(velocity), np.array(spin), turned), time
 
 
 def fly(drop: Drop, start: Body, times_s: Floats, until_s: float) -> tuple[Floats, Body, float]:

@@ -18,6 +18,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import log_ndtr
 
 from analysis.arrays import Floats
@@ -94,9 +95,9 @@ def likelihood(impacts: Impacts, law: WaltonLaw) -> Likelihood:
     along[[V_N, V_N_AFTER]] = law.e, 1.0
     normal_sigma = np.sqrt(np.einsum("i,sij,j->s", along, impacts.covariance, along))
     corner = transition(law, impacts.lever)
-    sticking = _regime(impacts, law.e, (0.0, law.beta0), corner, sign=-1.0)
+    sticking = _regime(impacts, surface, law.e, (0.0, law.beta0), corner, sign=-1.0)
     reach = friction_reach(law, impacts.lever)
-    sliding = _regime(impacts, law.e, (-reach, -1.0), corner, sign=1.0)
+    sliding = _regime(impacts, surface, law.e, (-reach, -1.0), corner, sign=1.0)
     both = np.logaddexp(sticking.log_likelihood, sliding.log_likelihood)
     alone = (normal / normal_sigma) ** 2
     return Likelihood(
@@ -110,22 +111,30 @@ def likelihood(impacts: Impacts, law: WaltonLaw) -> Likelihood:
 
 
 def _regime(
-    impacts: Impacts, e: float, line: tuple[float, float], corner: float, *, sign: float
+    impacts: Impacts,
+    surface: NDArray[np.bool_],
+    e: float,
+    line: tuple[float, float],
+    corner: float,
+    *,
+    sign: float,
 ) -> Regime:
     """Hold impacts against v_n' + e v_n = 0 and v_s' + line . (v_n, v_s) = 0.
 
     Parameters
     ----------
+    surface
+        In which shots v_s and v_s' are measured, shape (S,).
     sign
         Of v_s + x_c v_n where the regime holds.
     """
     constraint = np.zeros((2, 4))
     constraint[0, [V_N, V_N_AFTER]] = e, 1.0
     constraint[1, [V_N, V_S, V_S_AFTER]] = *line, 1.0
-    measured = np.where(impacts.surface[:, None], impacts.velocities, 0.0)
+    measured = np.where(surface[:, None], impacts.velocities, 0.0)
     carried = constraint @ impacts.covariance
     spread = carried @ constraint.T
-    spread = np.where(impacts.surface[:, None, None], spread, np.eye(2))
+    spread = np.where(surface[:, None, None], spread, np.eye(2))
     missed = (measured @ constraint.T)[..., None]
     pulled = np.linalg.solve(spread, missed)
     taken = np.linalg.solve(spread, carried)

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from tests.unit.cli.falling_ball import FALL, RADIUS, RATE, SHAPE, Drawn, bouncing, picture
 
 PLATE = 200.0
+FARTHEST = 17
+"""Pixels from a ball's place that its window reaches: only there its parts are drawn."""
 
 
 def interlaced(odd_first: bool) -> list[Drawn]:
@@ -177,7 +179,11 @@ def turning(sway: tuple[float, float] = (0.0, 0.0), count: int = 60) -> list[Dra
     In the second half of the frames it lies elsewhere by `sway`.
     """
     fine = 4
-    rows, columns = (np.mgrid[: SHAPE[0] * fine, : SHAPE[1] * fine] + 0.5) / fine - 0.5
+    wall_rows, wall_columns = _fine_grid((0, SHAPE[0]), (0, SHAPE[1]), fine)
+    wall = _coarse(60.0 + 15.0 * np.sin(wall_rows / 3.0 + wall_columns / 5.0), fine)
+    (top, bottom), (left, right) = ((at - FARTHEST, at + FARTHEST) for at in (100, 60))
+    rows, columns = _fine_grid((top, bottom), (left, right), fine)
+    behind = 60.0 + 15.0 * np.sin(rows / 3.0 + columns / 5.0)
     rng = np.random.default_rng(3)
     blotches = rng.normal(size=(9, 3))
     blotches /= np.linalg.norm(blotches, axis=1)[:, None]
@@ -185,18 +191,35 @@ def turning(sway: tuple[float, float] = (0.0, 0.0), count: int = 60) -> list[Dra
     for k in range(count):
         share = float(2 * k >= count)
         down = (rows - 100.0 - share * sway[0]) / RADIUS
-        right = (columns - 60.0 - share * sway[1]) / RADIUS
-        toward = np.sqrt(np.maximum(1.0 - down**2 - right**2, 0.0))
+        across = (columns - 60.0 - share * sway[1]) / RADIUS
+        toward = np.sqrt(np.maximum(1.0 - down**2 - across**2, 0.0))
         c, s = np.cos(0.1 * k), np.sin(0.1 * k)
-        own = np.stack([down, c * right + s * toward, c * toward - s * right])
+        own = np.stack([down, c * across + s * toward, c * toward - s * across])
         dark = np.max(np.tensordot(blotches, own, 1), axis=0) > np.cos(0.35)
-        wall = 60.0 + 15.0 * np.sin(rows / 3.0 + columns / 5.0)
-        grey = np.where(np.hypot(down, right) < 1.0, np.where(dark, 90.0, 200.0), wall)
-        small = grey.reshape(SHAPE[0], fine, SHAPE[1], fine).mean(axis=(1, 3))
+        inside = np.hypot(down, across) < 1.0
+        small = wall.copy()
+        small[top:bottom, left:right] = _coarse(
+            np.where(inside, np.where(dark, 90.0, 200.0), behind), fine
+        )
         blurred = np.asarray(cv2.GaussianBlur(small, (0, 0), 0.7), np.float64)
         noisy = blurred + rng.normal(0.0, 1.5, SHAPE)
         shown.append(np.asarray(np.clip(noisy, 0, 255), np.uint8))
     return shown
+
+
+def _fine_grid(
+    rows: tuple[int, int], columns: tuple[int, int], fine: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return rows and columns of parts of the pixels of a window."""
+    (top, bottom), (left, right) = rows, columns
+    down, across = np.mgrid[top * fine : bottom * fine, left * fine : right * fine]
+    return (down + 0.5) / fine - 0.5, (across + 0.5) / fine - 0.5
+
+
+def _coarse(grey: NDArray[np.float64], fine: int) -> NDArray[np.float64]:
+    """Return the mean of the parts of each pixel."""
+    rows, columns = grey.shape[0] // fine, grey.shape[1] // fine
+    return np.asarray(grey.reshape(rows, fine, columns, fine).mean(axis=(1, 3)))
 
 
 def turning_in_the_picture(count: int = 60) -> list[Drawn]:
@@ -230,14 +253,17 @@ def in_a_holder(shown: list[Drawn]) -> list[Drawn]:
 def lit_from_above(rows: list[float], column: float = 60.0) -> list[Drawn]:
     """Draw a ball whose light fades to that of the wall at its lower side: its rim ends before."""
     fine = 5
-    down, right = (np.mgrid[: SHAPE[0] * fine, : SHAPE[1] * fine] + 0.5) / fine - 0.5
+    left, right = round(column) - FARTHEST, round(column) + FARTHEST
     rng = np.random.default_rng(11)
     shown = []
     for row in rows:
+        top, bottom = max(0, round(row) - FARTHEST), min(SHAPE[0], round(row) + FARTHEST)
+        down, across = _fine_grid((top, bottom), (left, right), fine)
         height = (row - down) / RADIUS
         light = 60.0 + 140.0 * np.clip(0.5 + height, 0.0, 1.0)
-        grey = np.where(np.hypot(height, (right - column) / RADIUS) < 1.0, light, 60.0)
-        small = grey.reshape(SHAPE[0], fine, SHAPE[1], fine).mean(axis=(1, 3))
+        grey = np.where(np.hypot(height, (across - column) / RADIUS) < 1.0, light, 60.0)
+        small = np.full(SHAPE, 60.0)
+        small[top:bottom, left:right] = _coarse(grey, fine)
         blurred = np.asarray(cv2.GaussianBlur(small, (0, 0), 0.7), np.float64)
         noisy = blurred + rng.normal(0.0, 1.5, SHAPE)
         shown.append(np.asarray(np.clip(np.rint(noisy), 0, 255), np.uint8))
