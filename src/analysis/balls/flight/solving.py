@@ -50,11 +50,14 @@ def solve(
         moved[loose] += step * units
         return moved
 
-    def seen(*moved: Floats) -> Floats:
-        each = problem.predict_each(np.array(moved), arcs)[0][:, used, :2] / errors
-        return np.asarray(each.reshape(len(moved), -1))
-
+    counted = np.flatnonzero(used)
     own = (problem.observed.places[used] / errors).ravel()
+    # The search's place, and one a step aside in each of its numbers.
+    aside = np.vstack([np.zeros(len(units)), STEP * np.eye(len(units))])
+
+    def seen(moved: Floats) -> Floats:
+        each = problem.predict_each(moved, arcs)[0][:, counted, :2] / errors
+        return np.asarray(each.reshape(len(moved), -1))
 
     def residuals(step: Floats) -> Floats:
         moved = at(step)
@@ -65,14 +68,15 @@ def solve(
         level = lean if loose[path.LEVEL].all() else prior[:0]
         apart = drifts @ moved - problem.drifts_target[: len(drifts)]
         beyond = problem.beyond(moved)[0]
-        every = np.concatenate([own - seen(moved)[0], prior, level, apart, beyond])
-        return np.asarray(np.nan_to_num(every, nan=1e6, posinf=1e6, neginf=-1e6))
+        every = np.concatenate([own - seen(moved[None])[0], prior, level, apart, beyond])
+        return _finite(every, 1e6, 1e6)
 
     def slopes(step: Floats) -> Floats:
-        here = at(step)
-        still, *moved = seen(here, *(at(step + STEP * one) for one in np.eye(len(units))))
-        own = np.nan_to_num((still - np.array(moved)) / STEP).T
-        beyond = (problem.beyond(here)[1] * problem.units)[:, loose]
+        moved = np.tile(values, (len(units) + 1, 1))
+        moved[:, loose] += (step + aside) * units
+        each = seen(moved)
+        own = _finite((each[0] - each[1:]) / STEP).T
+        beyond = (problem.beyond(moved[0])[1] * problem.units)[:, loose]
         return np.vstack([own, straight, beyond])
 
     loss: Literal["soft_l1", "linear"] = "soft_l1" if soft else "linear"
@@ -86,6 +90,13 @@ def solve(
         ftol=LOOSE if soft else CLOSE,
     )
     return at(solved.x)
+
+
+def _finite(numbers: Floats, nan: float = 0.0, most: float = np.finfo(float).max) -> Floats:
+    """Return numbers that a sum of squares can hold. Nearly always all are, and that is faster."""
+    if np.isfinite(numbers).all():
+        return numbers
+    return np.asarray(np.nan_to_num(numbers, nan=nan, posinf=most, neginf=-most))
 
 
 def _straight_slopes(
