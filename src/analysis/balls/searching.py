@@ -20,6 +20,7 @@ from analysis.balls.found import APART_RADII, MUCH_MORE, Search, another, best_o
 from analysis.balls.gaps import Gap
 from analysis.balls.seen.arcs import Chain, Sightings
 from analysis.balls.seen.background import Brightness, background, evened, some_pixels
+from analysis.balls.seen.ends import lengthened
 from analysis.balls.seen.free_fall import STEADY_RADII, shown_bend
 from analysis.balls.seen.left_out import refuse_thinned
 from analysis.balls.seen.looks import (
@@ -194,6 +195,7 @@ def _searches(
             yield CarriedError(said, looks, seen)
             continue
         linked, chain, fall = flights
+        chain = lengthened(chain, seen, looks.radius_px, fall)
         others = tuple((c, _round(c, looks)) for c in linked[1:] if _beside(c, chain))
         beyond = _unexplained(seen, linked, chain, looks.radius_px)
         odd = bool(fall[0] != stated[0])

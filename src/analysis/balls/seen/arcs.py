@@ -124,7 +124,7 @@ def find_arcs(seen: Sightings, radius_px: float, fall: Floats) -> list[Arc]:
     return sorted(arcs, key=lambda arc: float(arc.times_s[0]))
 
 
-def _tolerance(radius_px: float) -> float:
+def tolerance(radius_px: float) -> float:
     """Return how far from its course a sighting of an arc may lie, px."""
     return TOLERANCE_RADII * radius_px + TOLERANCE_PX
 
@@ -135,7 +135,7 @@ def _remembered(times_s: Floats, radius_px: float, fall: Floats) -> int:
     A camera that is fast for the ball sees a bounce as a bend of a pixel a frame, which a course
     through few sightings would follow, and on into the ball's rest.
     """
-    lasts_s = math.sqrt(SHOWN_AT_REST * _tolerance(radius_px) / max(1e-9, abs(float(fall[0]))))
+    lasts_s = math.sqrt(SHOWN_AT_REST * tolerance(radius_px) / max(1e-9, abs(float(fall[0]))))
     step_s = float(np.median(np.diff(times_s)))
     frames = math.ceil(lasts_s / step_s) if step_s > 0.0 else MEMORY
     return min(MOST_REMEMBERED, max(MEMORY, frames))
@@ -154,7 +154,7 @@ class _Search:
             self._free[frame, : len(places)] = free[frame]
         self._rules = np.array(
             [
-                _tolerance(radius_px),
+                tolerance(radius_px),
                 MOST_SEED_RADII * radius_px,
                 *map(float, seen.shape),
                 float(_remembered(seen.times_s, radius_px, fall)),
@@ -378,7 +378,7 @@ def _one(a: Arc, b: Arc, radius_px: float, fall: Floats, shape: tuple[int, int])
     off = float(np.hypot(*(places - design @ fitted).T).max())
     bend, aside = (float(each) for each in fitted[2] / fall[0])
     # A ball that drifts keeps its speed across but for drag and perspective; walls turn it.
-    if off > _tolerance(radius_px) or abs(aside) > FALL_SIGMA:
+    if off > tolerance(radius_px) or abs(aside) > FALL_SIGMA:
         return False
     if missed <= LEAST_AWAY:
         # Sightings jump where the ground behind the ball changes; a bounce bends the other way.
