@@ -78,7 +78,7 @@ def search(film: Film, times_s: Floats, ball: Ball, *, complete: bool = False) -
             "frames", f"{counted(film.head.frames, 'frame')}; {LEAST_FRAMES} are needed at least"
         )
     head = film.head
-    read = film.chosen(spread_frames(head.frames, head.height * head.width * head.channels))
+    read = film.chosen(spread_frames(head.frames, head.frame_bytes))
     samples, ground = _evened(read, head)
     shown = list(samples.values())
     noise = noise_of(shown, ground)

@@ -14,12 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.arrays import Floats
+from analysis.balls.films.kept import KeptPictures
 
 Picture = NDArray[np.uint8] | NDArray[np.uint16]
 Readout = Literal["rows", "columns", "global", "unknown"]
 
 HELD_BYTES = 400e6
-"""Films that take no more are held once they are read; larger ones are read again when needed."""
+"""Films that take no more are held once they are read; larger ones are kept in a temporary file."""
 MOST_SAMPLES, LEAST_SAMPLES = 45, 11
 SAMPLED_BYTES = 150e6
 """Of the frames that show what stands still."""
@@ -78,6 +79,11 @@ class FilmHead:
     per_frame: float = 1.0
 
     @property
+    def frame_bytes(self) -> int:
+        """Return how many bytes a picture of 8 bits has."""
+        return self.height * self.width * self.channels
+
+    @property
     def whole(self) -> tuple[int, int]:
         """Return rows and columns of the camera's whole picture."""
         return self.whole_px or (self.height, self.width)
@@ -109,14 +115,19 @@ class Film(ABC):
     def __init__(self, path: Path, head: FilmHead) -> None:
         self.path, self.head = path, head
         self._held: list[Picture] | None = None
+        self._kept: KeptPictures | None = None
         self._read_before: dict[int, Picture] = {}
 
     def pictures(self) -> Iterator[Picture]:
-        """Give all frames in order; read once where they may be held."""
+        """Give all frames in order; read once where memory or a temporary file has room."""
         if self._held is not None:
             yield from self._held
             return
+        if self._kept is not None:
+            yield from self._kept.pictures()
+            return
         head, held = self.head, []
+        kept = None if self.may_be_held else KeptPictures.new(head.frames, head.frame_bytes)
         keep = True
         taken = 0
         for picture in ahead(self._read()):
@@ -126,9 +137,13 @@ class Film(ABC):
                 held.append(picture)
             else:
                 held = []
+            if kept is not None and not kept.add(picture):
+                kept = None
             yield picture
         if keep and len(held) == head.frames:
             self._held = held
+        elif kept is not None and kept.whole:
+            self._kept = kept
 
     def chosen(self, frames: Sequence[int]) -> dict[int, Picture]:
         """Return some frames by their numbers; those that opening has read are handed on once."""
@@ -140,8 +155,8 @@ class Film(ABC):
         for number, picture in enumerate(self.pictures()):
             if number in wanted:
                 found[number] = picture
-            # A film that may be held is read to its end once and never again.
-            if number >= last and (self._held is not None or not self.may_be_held):
+            # A film is read to its end once, where it has a place, and never again.
+            if number >= last and (self._held is not None or self._kept is not None):
                 break
         return found
 
@@ -149,7 +164,7 @@ class Film(ABC):
     def may_be_held(self) -> bool:
         """Return whether all frames fit into memory, as far as the head says."""
         head = self.head
-        return head.frames * head.height * head.width * head.channels <= HELD_BYTES
+        return head.frames * head.frame_bytes <= HELD_BYTES
 
     @abstractmethod
     def _read(self) -> Iterator[Picture]:

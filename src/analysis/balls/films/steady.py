@@ -89,7 +89,7 @@ class SteadyFilm(Film):
     def _followed(self) -> list[Floats]:
         """Return the move of each picture from the middle one: those of its neighbour if unseen."""
         head = self._film.head
-        spread = spread_frames(head.frames, head.height * head.width * head.channels)
+        spread = spread_frames(head.frames, head.frame_bytes)
         number = spread[len(spread) // 2]
         reference = Reference(self._film.chosen([number])[number])
         moves = [np.zeros(4)]

@@ -1,0 +1,69 @@
+"""Films that are too large for memory are decoded once where the temporary folder has room."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from analysis.balls.films.film import Film, FilmHead, Picture
+
+FRAMES, HEIGHT, WIDTH = 7, 6, 9
+
+
+class CountedFilm(Film):
+    """A film that counts how often its pictures are decoded."""
+
+    def __init__(self, kind: type[np.uint8] | type[np.uint16] = np.uint8) -> None:
+        super().__init__(Path("counted"), FilmHead(FRAMES, HEIGHT, WIDTH, 3))
+        rng = np.random.default_rng(5)
+        most = np.iinfo(kind).max
+        self.shown = rng.integers(0, most, (FRAMES, HEIGHT, WIDTH, 3), dtype=kind, endpoint=True)
+        self.readings = 0
+
+    def _read(self) -> Iterator[Picture]:
+        self.readings += 1
+        yield from self.shown
+
+
+@pytest.fixture(autouse=True)
+def no_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("analysis.balls.films.film.HELD_BYTES", 100)
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16])
+def test_a_large_film_is_decoded_once_and_its_pictures_stay_as_they_are(
+    kind: type[np.uint8] | type[np.uint16],
+) -> None:
+    film = CountedFilm(kind)
+    for _ in range(3):
+        assert np.array_equal(np.array(list(film.pictures())), film.shown)
+    assert film.readings == 1
+
+
+def test_frames_that_were_chosen_first_leave_nothing_to_decode() -> None:
+    film = CountedFilm()
+    chosen = film.chosen([1, 4])
+    assert np.array_equal(chosen[4], film.shown[4])
+    assert np.array_equal(np.array(list(film.pictures())), film.shown)
+    assert film.readings == 1
+
+
+def test_a_look_that_stops_early_keeps_no_part_of_a_film() -> None:
+    film = CountedFilm()
+    next(iter(film.pictures()))
+    assert np.array_equal(np.array(list(film.pictures())), film.shown)
+
+
+def test_a_large_film_is_decoded_again_where_the_folder_is_full(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    film = CountedFilm()
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(free=1000))
+    for _ in range(2):
+        assert np.array_equal(np.array(list(film.pictures())), film.shown)
+    assert film.readings == 2
