@@ -6,6 +6,8 @@ over stated error; 1 rms is right), what that error consists of, and the same of
 are, and up to a shift and a scale, which flights do not tell. Films of `--keep` are drawn once.
 With `--as-believed` plates are level and the coefficient of drag is what `known` takes
 as its middle, as in films that others render: errors by those two are then not drawn.
+With `--as-wide` the camera's look, the ball's way along it, the floor's lean and the drag are drawn
+as wide as `known` takes them to be: pulls of e are then 1 rms where errors are worked out rightly.
 With `--worlds` films are what telephones make of real rooms: H.264, exposure set anew, seams, white
 on bright, hands, shadows.
 """
@@ -13,6 +15,7 @@ on bright, hands, shadows.
 from __future__ import annotations
 
 import argparse
+import math
 import tempfile
 import time
 from dataclasses import dataclass, field, replace
@@ -22,11 +25,19 @@ import numpy as np
 
 from analysis.balls.analysis import AnalysedFilm, FilmJob, analyse_film
 from analysis.balls.films.reading import film_of_shot
-from analysis.balls.flight.known import DRAG_COEFFICIENT, Ball
+from analysis.balls.flight.known import (
+    DRAG_COEFFICIENT,
+    DRAG_SIGMA,
+    DRIFT_SHARE,
+    LEVEL_SIGMA,
+    LOOK_SIGMA,
+    Ball,
+)
 from analysis.balls.measuring import coefficient
 from analysis.errors import ShotRefusedError
 from benchmarks.balls.budget import budget
-from benchmarks.balls.filming import PLAIN, Scene, Truth, World, film
+from benchmarks.balls.dropping import GRAVITY
+from benchmarks.balls.filming import PLAIN, Scene, Truth, film
 from benchmarks.balls.scenes import KINDS, scene
 from benchmarks.balls.truths import aligned_off
 from benchmarks.balls.worlds import WORLDS, world
@@ -82,6 +93,7 @@ def main() -> None:
     parser.add_argument("--kinds", nargs="*", choices=KINDS, default=list(KINDS))
     parser.add_argument("--worlds", nargs="*", choices=WORLDS, help="these (none: all) instead")
     parser.add_argument("--as-believed", action="store_true", help="level plates, usual drag")
+    parser.add_argument("--as-wide", action="store_true", help="what is believed, as wide as it is")
     parser.add_argument("--keep", type=Path, help="folder for the films")
     asked = parser.parse_args()
     home = asked.keep or Path(tempfile.mkdtemp())
@@ -89,7 +101,11 @@ def main() -> None:
     for kind in kinds:
         tally = Tally()
         for seed in range(asked.first, asked.first + asked.films):
-            drawn, beside = _drawn(kind, seed, believed=asked.as_believed)
+            drawn, beside = world(kind, seed) if kind in WORLDS else (scene(kind, seed), PLAIN)
+            if asked.as_believed:
+                drawn = _as_believed(drawn)
+            if asked.as_wide:
+                drawn = _as_wide(drawn, np.random.default_rng([seed, 1]))
             folder = home / f"{kind.replace(' ', '')}-{seed}"
             truth = film(folder, drawn, seed, beside)
             one(folder, drawn, truth, tally)
@@ -97,13 +113,27 @@ def main() -> None:
         print(f"   errors of e in the middle: {tally.of_sources()}", flush=True)
 
 
-def _drawn(kind: str, seed: int, *, believed: bool) -> tuple[Scene, World]:
-    drawn, beside = world(kind, seed) if kind in WORLDS else (scene(kind, seed), PLAIN)
-    if believed:
-        stage, drop, camera, frames = drawn
-        drop = replace(drop, drag_coefficient=DRAG_COEFFICIENT, lean=0.0)
-        drawn = stage, drop, camera, frames
-    return drawn, beside
+def _as_believed(drawn: Scene) -> Scene:
+    stage, drop, camera, frames = drawn
+    return stage, replace(drop, drag_coefficient=DRAG_COEFFICIENT, lean=0.0), camera, frames
+
+
+def _as_wide(drawn: Scene, rng: np.random.Generator) -> Scene:
+    """Draw what the fit has priors of by those priors, the floor in the same row of the picture."""
+    stage, drop, camera, frames = drawn
+    look = abs(rng.normal(0.0, LOOK_SIGMA))
+    eye = stage.eye.copy()
+    eye[1] -= eye[2] * (math.tan(look) - math.tan(stage.look_down))
+    speed = drop.speed.copy()
+    fallen = math.hypot(speed[1], math.sqrt(2.0 * GRAVITY * drop.start[1]))
+    speed[2] = rng.normal(0.0, math.hypot(speed[0], DRIFT_SHARE * fallen))
+    drop = replace(
+        drop,
+        speed=speed,
+        drag_coefficient=rng.normal(DRAG_COEFFICIENT, DRAG_SIGMA),
+        lean=rng.normal(0.0, LEVEL_SIGMA),
+    )
+    return replace(stage, eye=eye, look_down=look), drop, camera, frames
 
 
 def one(folder: Path, drawn: Scene, truth: Truth, tally: Tally) -> None:

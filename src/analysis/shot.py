@@ -208,13 +208,14 @@ def analyse_shot(
         return _refused(refusal, None, above)
     film = frames, times_s - times_s[0], above
     found = _measured(film, setup, chosen, known, extend=extend)
-    if chosen.method == "thesis" or found.tracking is None:
+    if chosen.method == "thesis":
         return found
-    if isinstance(found, RefusedShot) and known is not None and not found.tracking.learned_alone:
+    learned_alone = known is None or found.tracking is None or found.tracking.learned_alone
+    if isinstance(found, RefusedShot) and not learned_alone:
         # What others have taught may be wrong of this side of a sphere; the film may show more.
         alone = _measured(film, setup, chosen, None, unlike=found.reason)
         found = alone if isinstance(alone, MeasuredShot) else found
-    if not (turnless := _turnless(found.tracking)):
+    if not (turnless := _turnless(found)):
         return found
     # Markers that tell no turn were learned wrong, and places by them bend a flight.
     outlined = _measured(film, setup, chosen, known, turnless=turnless)
@@ -223,10 +224,16 @@ def analyse_shot(
 
 MOSTLY = 0.5
 """Share of a sphere's frames without an orientation beyond which its markers tell no turn."""
+BY_MARKERS = {"assignment", "motion"}
+"""Steps at which markers are followed: spheres that turn far from frame to frame show too few of
+them twice, and poses by markers that are taken for others leave free flight."""
 
 
-def _turnless(tracking: Tracking | None) -> str:
-    """Return which sphere's markers leave its turn open in most frames; nothing where none do."""
+def _turnless(found: MeasuredShot | RefusedShot) -> str:
+    """Return why markers do not tell how the spheres turn; nothing where they do."""
+    if isinstance(found, RefusedShot) and found.step in BY_MARKERS:
+        return f"by its markers the shot is refused: {found.reason}"
+    tracking = found.tracking
     if tracking is None or not any(len(own.frames) for own in tracking.orientations):
         return ""
     for name, turned, seen in zip("ab", tracking.orientations, tracking.centres, strict=True):

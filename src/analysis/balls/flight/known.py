@@ -19,7 +19,7 @@ rubber or plastic (1100), one and a half below those full of air (table tennis, 
 With a wider one the drag of slow films runs away."""
 DIAMETER_RIM_SIGMA = 0.01
 """Relative: what shading and codecs do to a rim."""
-LEVEL_SIGMA, ROLL_SIGMA = 0.01, 0.05
+LEVEL_SIGMA, ROLL_SIGMA = 0.005, 0.05
 """rad, of a floor, table or plate that is laid level, and of a camera that stands by eye."""
 SMEAR_SIGMA = 0.005
 """By which part of its smear a ball's centre comes out too high or too low: its light is uneven."""
