@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from simulators.challenge.vectors import added, crossed, dot, times, triple
+from simulators.world.vectors import added, crossed, dot, times, triple
 
 Floats = NDArray[np.float64]
 

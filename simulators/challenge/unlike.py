@@ -18,13 +18,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from simulators.challenge.vectors import cross
+from simulators.world.vectors import Triple, added, crossed, dot, times, triple
 
 Floats = NDArray[np.float64]
 
 GRAVITY = 9.80665
 _STEPS = 3000
 """In an undamped contact."""
+NOWHERE: Triple = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,48 +89,53 @@ class Motion:
 
 def contact(pair: Pair, touch: Motion) -> tuple[Motion, float]:
     """Follow a contact from touch to parting; return the motion then, and how long it took, s."""
-    masses, inertias, radii = pair.masses_kg, pair.inertias, np.array(pair.radii_m)
-    reduced = 1.0 / (1.0 / masses).sum()
+    masses, inertias = pair.masses_kg.tolist(), pair.inertias.tolist()
+    first, second = pair.radii_m
+    reduced = 1.0 / (1.0 / masses[0] + 1.0 / masses[1])
     stiffness = reduced * (3.21804 / pair.duration_s) ** 2.5
-    tangential = 1.0 / (1.0 / masses + radii**2 / inertias).sum()
-    dashpot = pair.damping * np.sqrt(5.0 * reduced * stiffness)
-    x, v, w = touch.places.copy(), touch.velocities.copy(), touch.spins.copy()
-    turned, spring, time = np.zeros((2, 3)), np.zeros(3), 0.0
+    mobility = [1.0 / masses[k] + pair.radii_m[k] ** 2 / inertias[k] for k in range(2)]
+    tangential = 1.0 / (mobility[0] + mobility[1])
+    dashpot = pair.damping * math.sqrt(5.0 * reduced * stiffness)
+    x, v, w = (
+        [triple(own) for own in one] for one in (touch.places, touch.velocities, touch.spins)
+    )
+    turned, spring, time = [NOWHERE, NOWHERE], NOWHERE, 0.0
     step = pair.duration_s / _STEPS
+    fall = (GRAVITY, 0.0, 0.0)
     while True:
-        gap = x[1] - x[0]
-        distance = math.sqrt(gap @ gap)
-        n = gap / distance
-        depth = radii.sum() - distance
+        gap = added(x[1], -1.0, x[0])
+        distance = math.sqrt(dot(gap, gap))
+        n = (gap[0] / distance, gap[1] / distance, gap[2] / distance)
+        depth = first + second - distance
         if depth < 0.0:
             break
-        relative = v[1] - v[0]
-        opening = float(relative @ n)
-        arms = radii - 0.5 * depth
-        slip = relative - opening * n - cross(arms[0] * w[0] + arms[1] * w[1], n)
+        relative = added(v[1], -1.0, v[0])
+        opening = dot(relative, n)
+        arms = (first - 0.5 * depth, second - 0.5 * depth)
+        whirl = crossed(added(times(arms[0], w[0]), arms[1], w[1]), n)
+        slip = added(added(relative, -opening, n), -1.0, whirl)
         push = max(stiffness * depth**1.5 - dashpot * depth**0.25 * opening, 0.0)
         stiff = pair.stiffness_ratio * 1.5 * stiffness * math.sqrt(depth)
-        spring = spring + step * slip
-        spring = spring - (spring @ n) * n
-        spring = _cut(spring, pair.friction * push / stiff) if stiff > 0.0 else 0.0 * spring
+        spring = added(spring, step, slip)
+        spring = added(spring, -dot(spring, n), n)
+        spring = _cut(spring, pair.friction * push / stiff) if stiff > 0.0 else NOWHERE
         damped = 2.0 * pair.tangential_damping * math.sqrt(stiff * tangential)
-        drag = _cut(-stiff * spring - damped * slip, pair.friction * push)
-        force = push * n + drag
-        v = v + step * np.array([-force / masses[0], force / masses[1]])
-        v[:, 0] += step * GRAVITY
-        torque = cross(n, drag)
+        drag = _cut(added(times(-stiff, spring), -damped, slip), pair.friction * push)
+        force = added(drag, push, n)
+        torque = crossed(n, drag)
         # The force on a acts at + arm n of its centre and is -drag; that on b at - arm n.
-        w = w - step * (arms / inertias)[:, None] * torque
-        x, turned, time = x + step * v, turned + step * w, time + step
-    ends = tuple(
-        Rotation.from_rotvec(angle) * own for angle, own in zip(turned, touch.turned, strict=True)
-    )
-    return Motion(x, v, w, (ends[0], ends[1])), time
+        for k, sign in enumerate((-1.0, 1.0)):
+            v[k] = added(added(v[k], step * sign / masses[k], force), step, fall)
+            w[k] = added(w[k], -step * (arms[k] / inertias[k]), torque)
+            x[k], turned[k] = added(x[k], step, v[k]), added(turned[k], step, w[k])
+        time += step
+    ends = [Rotation.from_rotvec(turned[k]) * touch.turned[k] for k in range(2)]
+    return Motion(np.array(x), np.array(v), np.array(w), (ends[0], ends[1])), time
 
 
-def _cut(vector: Floats, longest: float) -> Floats:
-    length = math.sqrt(vector @ vector)
-    return vector if length <= longest else vector * (longest / length)
+def _cut(vector: Triple, longest: float) -> Triple:
+    length = math.sqrt(dot(vector, vector))
+    return vector if length <= longest else times(longest / length, vector)
 
 
 def film(pair: Pair, touch: Motion, times_s: Floats) -> tuple[Floats, Floats]:

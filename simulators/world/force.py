@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simulators.world.description import ContactLaw, Sphere
+from simulators.world.vectors import Triple, added, crossed, dot, times, triple
 
 Vector = NDArray[np.float64]
 """Three components in rig axes."""
@@ -63,10 +64,11 @@ class PairLaw:
         self.a, self.b, self.friction = a, b, law.friction
         self.reach = a.radius_m + b.radius_m
         self.mass = a.mass_kg * b.mass_kg / (a.mass_kg + b.mass_kg)
+        self.inertias = a.inertia_kg_m2, b.inertia_kg_m2
         self.stiffness = 4.0 / 3.0 * modulus * math.sqrt(radius)
         self.damping = damping_ratio(law.restitution) * math.sqrt(5.0 * self.mass * self.stiffness)
         mobility = 1.0 / self.mass
-        mobility += a.radius_m**2 / a.inertia_kg_m2 + b.radius_m**2 / b.inertia_kg_m2
+        mobility += a.radius_m**2 / self.inertias[0] + b.radius_m**2 / self.inertias[1]
         self.tangential = law.tangential_stiffness_ratio * 1.5 * self.stiffness
         self.tangential_damping = (
             2.0 * law.tangential_damping_ratio * math.sqrt(self.tangential / mobility)
@@ -86,50 +88,38 @@ class PairLaw:
 
         `outer` (3,) is the difference of the outer accelerations, b less a.
         """
-        position, velocity, spin_a, spin_b, _ = state
-        distance = math.sqrt(float(position @ position))
-        normal = position / distance
+        position, velocity, spin_a, spin_b, spring = map(triple, state)
+        distance = math.sqrt(dot(position, position))
+        normal = (position[0] / distance, position[1] / distance, position[2] / distance)
         overlap = max(self.reach - distance, 0.0)
         root = math.sqrt(overlap)
-        speed = float(velocity @ normal)
+        speed = dot(velocity, normal)
         arm_a, arm_b = self.a.radius_m - overlap / 2.0, self.b.radius_m - overlap / 2.0
-        slip = velocity - speed * normal - cross(arm_a * spin_a + arm_b * spin_b, normal)
+        whirl = crossed(added(times(arm_a, spin_a), arm_b, spin_b), normal)
+        slip = added(added(velocity, -speed, normal), -1.0, whirl)
         push = self.stiffness * overlap * root - self.damping * math.sqrt(root) * speed
         push = max(push, 0.0)
-        drag = self._tangential_force(state, normal, slip, root, self.friction * push)
-        torque = cross(drag, normal)
+        drag = (0.0, 0.0, 0.0)
+        if root != 0.0:
+            limit, stiffness = self.friction * push, self.tangential * root
+            spring = _cut(added(spring, -dot(spring, normal), normal), limit / stiffness)
+            state[4] = spring
+            damping = self.tangential_damping * math.sqrt(root)
+            drag = _cut(added(times(-stiffness, spring), -damping, slip), limit)
+        torque = crossed(drag, normal)
+        force = added(drag, push, normal)
         return np.array(
             [
                 velocity,
-                (push * normal + drag) / self.mass + outer,
-                arm_a / self.a.inertia_kg_m2 * torque,
-                arm_b / self.b.inertia_kg_m2 * torque,
+                added(triple(outer), 1.0 / self.mass, force),
+                times(arm_a / self.inertias[0], torque),
+                times(arm_b / self.inertias[1], torque),
                 slip,
             ]
         )
 
-    def _tangential_force(
-        self, state: NDArray[np.float64], normal: Vector, slip: Vector, root: float, limit: float
-    ) -> Vector:
-        if root == 0.0:
-            return np.zeros(3)
-        stiffness = self.tangential * root
-        spring = state[4] - float(state[4] @ normal) * normal
-        spring *= _shrink(spring, limit / stiffness)
-        state[4] = spring
-        force = -stiffness * spring - self.tangential_damping * math.sqrt(root) * slip
-        force *= _shrink(force, limit)
-        return np.asarray(force, dtype=np.float64)
 
-
-def cross(p: Vector, q: Vector) -> Vector:
-    """Return p x q for two (3,) vectors, far faster than the general routine."""
-    a, b, c = p.tolist()
-    d, e, f = q.tolist()
-    return np.array([b * f - c * e, c * d - a * f, a * e - b * d])
-
-
-def _shrink(vector: Vector, longest: float) -> float:
-    """Return the factor that brings a vector to at most the given length."""
-    length = math.sqrt(float(vector @ vector))
-    return 1.0 if length <= longest else longest / length
+def _cut(vector: Triple, longest: float) -> Triple:
+    """Return a vector of at most the given length."""
+    length = math.sqrt(dot(vector, vector))
+    return vector if length <= longest else times(longest / length, vector)

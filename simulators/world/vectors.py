@@ -10,12 +10,6 @@ Triple = tuple[float, float, float]
 """Plain numbers: NumPy's arrays of three take some ten times as long."""
 
 
-def cross(a: Floats, b: Floats) -> Floats:
-    """Return the cross product of two vectors; NumPy's takes twenty times as long for two."""
-    (ax, ay, az), (bx, by, bz) = a.tolist(), b.tolist()
-    return np.array((ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx))
-
-
 def triple(a: Floats) -> Triple:
     """Return the numbers of an array of three."""
     x, y, z = a.tolist()
