@@ -1,8 +1,8 @@
 """Compile functions to machine code and cache them on disk.
 
 Numba reuses a cached function while the file that defines it is unchanged. A compiled function has
-the functions it calls and constants of other files built in; here it is reused only while every
-file of its folder is unchanged.
+the functions it calls and constants of other files built in; here it is reused while that file and
+all that it imports of this package, directly or by way of others, are unchanged.
 
 One process compiles a function while others wait. If two compiled it, one with freshly compiled and
 one with cached callees, their results might round differently.
@@ -11,6 +11,7 @@ one with cached callees, their results might round differently.
 from __future__ import annotations
 
 import os
+import re
 import tempfile
 import threading
 import time
@@ -67,6 +68,38 @@ def sources() -> str:
     return digest.hexdigest()
 
 
+IMPORT = re.compile(
+    rb"^[ \t]*(?:from (analysis[\w.]*) import (\([^)]*\)|.*)|import (analysis[\w.]*))", re.MULTILINE
+)
+
+
+@cache
+def _read(file: Path) -> tuple[bytes, frozenset[Path]]:
+    """Return a digest of a file, and the files of this package that it imports."""
+    content, package = file.read_bytes(), Path(__file__).parent
+    found: set[Path] = set()
+    for module, names, whole in IMPORT.findall(content):
+        base = package.joinpath(*(module or whole).decode().split(".")[1:])
+        # What is imported from a folder may be a file of it.
+        each = [base, *(base / word for word in re.findall(r"\w+", names.decode()))]
+        for path in each:
+            found |= {path.with_suffix(".py"), path / "__init__.py"}
+    return sha256(content).digest(), frozenset(path for path in found if path.is_file())
+
+
+@cache
+def built_in(file: Path) -> str:
+    """Return a digest of a file and of all files of this package that it imports in the end."""
+    files, new = set[Path](), {file}
+    while new:
+        files |= new
+        new = {path for each in new for path in _read(each)[1]} - files
+    digest = sha256()
+    for each in sorted(files):
+        digest.update(each.name.encode() + _read(each)[0])
+    return digest.hexdigest()
+
+
 _here = threading.RLock()
 """Taken before any lock on disk: the compiler's library compiles in one thread at a time."""
 
@@ -95,11 +128,11 @@ def _wait_for(file: int) -> None:
 
 
 class BesideSource(caching.InTreeCacheLocator):
-    """Cache in `__pycache__`, valid while the sources are unchanged."""
+    """Cache in `__pycache__`, valid while what is built in is unchanged."""
 
     def get_source_stamp(self) -> str:
         """Return the digest for which a cached function is valid."""
-        return sources()
+        return built_in(Path(self._py_file))
 
 
 class OfUser(caching.UserWideCacheLocator):
@@ -107,7 +140,7 @@ class OfUser(caching.UserWideCacheLocator):
 
     def get_source_stamp(self) -> str:
         """Return the digest for which a cached function is valid."""
-        return sources()
+        return built_in(Path(self._py_file))
 
 
 LOCATORS = ",".join(f"{__name__}.{kind.__name__}" for kind in (BesideSource, OfUser))

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import analysis
+from analysis import compiled as machine_code
 from analysis.compiled import compiled, kept_on_disk
 
 PART = "from analysis.compiled import part\n\n@part\ndef inner(x):\n    return {} * x\n"
@@ -56,6 +57,40 @@ def test_a_kept_function_is_used_until_a_part_in_another_file_changes(package: P
     assert asked(package) == ["7.0", "1"]
     (package / "analysis" / "room" / "inner.py").write_text(PART.format("5.0"))
     assert asked(package) == ["16.0", "0"]
+
+
+@pytest.mark.parametrize(
+    "way",
+    [
+        "from analysis.room.numbers import FACTOR",
+        "from analysis.room.numbers import (\n    FACTOR,\n)",
+        "from analysis.room import numbers",
+        "from analysis.room import (\n    numbers,\n)",
+        "import analysis.room.numbers",
+    ],
+)
+def test_what_is_built_in_is_all_that_is_imported_by_way_of_others_and_nothing_beside(
+    package: Path, way: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    room = package / "analysis" / "room"
+    monkeypatch.setattr(machine_code, "__file__", str(room.parent / "compiled.py"))
+
+    def stamp() -> str:
+        machine_code.built_in.cache_clear()
+        machine_code._read.cache_clear()
+        return machine_code.built_in(room / "whole.py")
+
+    numbers, beside = room / "numbers.py", room / "beside.py"
+    numbers.write_text("FACTOR = 2.0\n")
+    beside.write_text(PART.format("2.0"))
+    (room / "inner.py").write_text(f"{way}\n{PART.format('2.0')}")
+    before = stamp()
+    beside.write_text(PART.format("5.0"))
+    assert stamp() == before
+    numbers.write_text("FACTOR = 5.0\n")
+    assert stamp() != before
+    machine_code.built_in.cache_clear()
+    machine_code._read.cache_clear()
 
 
 TOLD = (
