@@ -16,7 +16,7 @@ from analysis.arrays import Floats
 from analysis.balls.flight.known import Ball
 from analysis.balls.found import CLEAR_FRAMES, MUCH_MORE, stated_first
 from analysis.balls.gaps import Gap, mended
-from analysis.balls.seen.arcs import Arc, Chain, Sightings, chains, find_arcs, joined
+from analysis.balls.seen.arcs import Arc, Chain, Sightings, chains, find_arcs
 from analysis.balls.seen.free_fall import (
     FALL_SHARE,
     agreeing,
@@ -26,6 +26,7 @@ from analysis.balls.seen.free_fall import (
     flown,
     flying,
 )
+from analysis.balls.seen.joining import joined
 from analysis.balls.seen.jumps import jumps
 from analysis.balls.seen.looks import Looks
 

@@ -8,8 +8,9 @@ arc.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,8 @@ from analysis.arrays import Floats
 from analysis.balls.seen.growing import LEAST_FRAMES, MEMORY, MOST_MISSES, course, next_arc
 
 Ints = NDArray[np.intp]
+Meeting = tuple[float, Floats]
+"""When and where the courses of two arcs meet in a bounce, s and px."""
 
 FALL_SIGMA = 0.15
 """Relative, of the fall in pixels that follows from the ball's size in the picture."""
@@ -214,37 +217,52 @@ class Chain:
 
 def chains(arcs: Sequence[Arc], radius_px: float, fall: Floats) -> list[Chain]:
     """Return chains of arcs that meet in bounces, the strongest first; each arc is in one."""
-    rest, found = list(arcs), []
+    meetings = _meetings(arcs, radius_px, fall)
+    rest, found = list(range(len(arcs))), []
     while rest:
-        best = _strongest(rest, radius_px, fall)
-        rest = [arc for arc in rest if all(arc is not other for other in best.arcs)]
-        found.append(_parted(best, radius_px, fall))
+        best = _strongest(arcs, rest, meetings)
+        rest = [k for k in rest if k not in best]
+        met = [meetings[pair] for pair in pairwise(best)]
+        chain = Chain(
+            tuple(arcs[k] for k in best),
+            np.array([time for time, _ in met]),
+            np.array([place for _, place in met]).reshape(-1, 2),
+        )
+        found.append(_parted(chain, radius_px, fall))
     return sorted(found, key=lambda chain: -chain.strength)
 
 
-def _strongest(arcs: list[Arc], radius_px: float, fall: Floats) -> Chain:
-    ends: list[tuple[float, int | None, tuple[float, Floats] | None]] = []
-    for k, arc in enumerate(arcs):
-        best: tuple[float, int | None, tuple[float, Floats] | None] = (arc.strength, None, None)
-        for j in range(k):
-            meeting = _meeting(arcs[j], arc, radius_px, fall)
-            if meeting is not None and ends[j][0] + arc.strength > best[0]:
-                best = (ends[j][0] + arc.strength, j, meeting)
-        ends.append(best)
-    last: int | None = int(np.argmax([end[0] for end in ends]))
-    chosen, meetings = [], []
+def _strongest(
+    arcs: Sequence[Arc], rest: Sequence[int], meetings: Mapping[tuple[int, int], Meeting]
+) -> list[int]:
+    """Return the numbers of the arcs of the strongest chain of those that are left."""
+    ends: dict[int, tuple[float, int | None]] = {}
+    for k in rest:
+        best: tuple[float, int | None] = arcs[k].strength, None
+        for j in ends:
+            if (j, k) in meetings and ends[j][0] + arcs[k].strength > best[0]:
+                best = ends[j][0] + arcs[k].strength, j
+        ends[k] = best
+    last: int | None = max(ends, key=lambda k: ends[k][0])
+    chosen = []
     while last is not None:
-        chosen.append(arcs[last])
-        _, last_before, meeting = ends[last]
-        if meeting is not None:
-            meetings.append(meeting)
-        last = last_before
-    meetings.reverse()
-    return Chain(
-        tuple(reversed(chosen)),
-        np.array([time for time, _ in meetings]),
-        np.array([place for _, place in meetings]).reshape(-1, 2),
-    )
+        chosen.append(last)
+        last = ends[last][1]
+    return chosen[::-1]
+
+
+def _meetings(
+    arcs: Sequence[Arc], radius_px: float, fall: Floats
+) -> dict[tuple[int, int], Meeting]:
+    """Return when and where arcs meet, by their numbers; those that do not are left out."""
+    every = [_Followed.new(arc, radius_px, fall) for arc in arcs]
+    found = {}
+    for k, later in enumerate(every):
+        for j, earlier in enumerate(every[:k]):
+            meeting = _meeting(earlier, later, radius_px, fall)
+            if meeting is not None:
+                found[j, k] = meeting
+    return found
 
 
 def _parted(chain: Chain, radius_px: float, fall: Floats) -> Chain:
@@ -272,11 +290,12 @@ def _parted(chain: Chain, radius_px: float, fall: Floats) -> Chain:
 
 def _with(own: Arc, other: Arc) -> Arc:
     """Return an arc with the sightings of another one in frames in which it has none."""
-    whole = _one_arc(own, other.of(np.flatnonzero(~np.isin(other.frames, own.frames))))
+    whole = one_arc(own, other.of(np.flatnonzero(~np.isin(other.frames, own.frames))))
     return whole.of(np.argsort(whole.frames, kind="stable"))
 
 
-def _one_arc(a: Arc, b: Arc) -> Arc:
+def one_arc(a: Arc, b: Arc) -> Arc:
+    """Return two arcs as one."""
     return Arc(
         np.concatenate([a.frames, b.frames]),
         np.concatenate([a.times_s, b.times_s]),
@@ -295,22 +314,36 @@ def _clear_of_bounces(times_s: Floats, radius_px: float, fall: Floats) -> tuple[
     return min(remembered + over, len(times_s)), min(over, max(0, len(times_s) - LEAST_FRAMES))
 
 
-def _meeting(a: Arc, b: Arc, radius_px: float, fall: Floats) -> tuple[float, Floats] | None:
+@dataclass(frozen=True, slots=True, eq=False)
+class _Followed:
+    """An arc, the time between its frames, and how many sightings next to a bounce count."""
+
+    arc: Arc
+    step_s: float
+    last: int
+    over: int
+
+    @classmethod
+    def new(cls, arc: Arc, radius_px: float, fall: Floats) -> _Followed:
+        last, over = _clear_of_bounces(arc.times_s, radius_px, fall)
+        return cls(arc, float(np.median(np.diff(arc.times_s))), last, over)
+
+
+def _meeting(before: _Followed, after: _Followed, radius_px: float, fall: Floats) -> Meeting | None:
     """Return when and where two courses meet in a bounce; None where they do not."""
-    step = float(np.median(np.diff(a.times_s)))
-    if b.frames[0] <= a.frames[-1] - LEAST_FRAMES:
+    a, b = before.arc, after.arc
+    margin = (MOST_MISSES + 1.5 + max(before.over, after.over)) * before.step_s
+    if b.frames[0] <= a.frames[-1] - LEAST_FRAMES or b.times_s[0] - a.times_s[-1] > 4 * margin:
         return None
-    last, over = _clear_of_bounces(a.times_s, radius_px, fall)
-    first, under = _clear_of_bounces(b.times_s, radius_px, fall)
-    at, place_a, velocity_a = a.course_of(slice(-last, -over or None), fall)
-    bt, place_b, velocity_b = b.course_of(slice(under, first), fall)
+    at, place_a, velocity_a = a.course_of(slice(-before.last, -before.over or None), fall)
+    bt, place_b, velocity_b = b.course_of(slice(after.over, after.last), fall)
     # Both at the time zero of the first: with the same fall their distance is linear in time.
     gone = at - bt
     place_b = place_b + velocity_b * gone + 0.5 * fall * gone**2
     velocity_b = velocity_b + fall * gone
     jump = velocity_b - velocity_a
     size = float(jump @ jump)
-    if size <= 0 or np.sqrt(size) * step < 0.05:
+    if size <= 0 or np.sqrt(size) * before.step_s < 0.05:
         return None
     shift = -float((place_b - place_a) @ jump) / size
     apart = place_b - place_a + jump * shift
@@ -319,78 +352,8 @@ def _meeting(a: Arc, b: Arc, radius_px: float, fall: Floats) -> tuple[float, Flo
     if left > MOST_E * max(-came, 0.0) or down > MOST_DOWN:
         return None
     time = at + shift
-    margin = (MOST_MISSES + 1.5 + max(over, under)) * step
     if not a.times_s[-1] - margin <= time <= b.times_s[0] + margin:
         return None
-    if b.times_s[0] - a.times_s[-1] > 4 * margin or np.hypot(*apart) > 1.5 * radius_px:
+    if np.hypot(*apart) > 1.5 * radius_px:
         return None
     return time, place_a + velocity_a * shift + 0.5 * fall * shift**2
-
-
-LEAST_WHOLE = 4
-"""Sightings on each side of the gap in which the ball is wholly in the picture."""
-LEAST_AWAY = 3
-"""Frames that a ball is out of the picture; a shorter gap is none to the search for arcs."""
-
-LEAST_BEND, MOST_BEND = 0.5, 2.0
-"""Of a fall's bend: what two pieces of one flight have together."""
-
-
-def joined(
-    arcs: Sequence[Arc], radius_px: float, fall: Floats, shape: tuple[int, int]
-) -> list[Arc]:
-    """Return arcs in order of time, those put together through which one free fall goes.
-
-    Parameters
-    ----------
-    fall
-        Free fall in the picture, (row, column) in px/s^2.
-    shape
-        Rows and columns of the picture.
-    """
-    found: list[Arc] = []
-    for arc in arcs:
-        before = next(
-            (k for k, a in enumerate(found) if _one(a, arc, radius_px, fall, shape)), None
-        )
-        if before is None:
-            found.append(arc)
-            continue
-        found[before] = _one_arc(found[before], arc)
-    return sorted(found, key=lambda arc: float(arc.times_s[0]))
-
-
-def _one(a: Arc, b: Arc, radius_px: float, fall: Floats, shape: tuple[int, int]) -> bool:
-    """Return whether one fall goes through both, with nothing or the picture's border between."""
-    missed = int(b.frames[0] - a.frames[-1])
-    if missed < 1:
-        return False
-    # Of a ball that is partly outside something else than its centre is seen.
-    whole_a, whole_b = (_inside(arc.places, radius_px, shape) for arc in (a, b))
-    if min(whole_a.sum(), whole_b.sum()) < LEAST_WHOLE:
-        return False
-    times = np.concatenate([a.times_s[whole_a][-MEMORY:], b.times_s[whole_b][:MEMORY]])
-    places = np.concatenate([a.places[whole_a][-MEMORY:], b.places[whole_b][:MEMORY]])
-    middle = float(times.mean())
-    gone = times - middle
-    design = np.stack([np.ones_like(gone), gone, 0.5 * gone**2], axis=1)
-    fitted = np.linalg.lstsq(design, places, rcond=None)[0]
-    off = float(np.hypot(*(places - design @ fitted).T).max())
-    bend, aside = (float(each) for each in fitted[2] / fall[0])
-    # A ball that drifts keeps its speed across but for drag and perspective; walls turn it.
-    if off > tolerance(radius_px) or abs(aside) > FALL_SIGMA:
-        return False
-    if missed <= LEAST_AWAY:
-        # Sightings jump where the ground behind the ball changes; a bounce bends the other way.
-        return LEAST_BEND < bend < MOST_BEND
-    if abs(bend - 1.0) > FALL_SIGMA:
-        return False
-    away = 0.5 * (a.times_s[-1] + b.times_s[0]) - middle
-    at = np.array([[1.0, away, 0.5 * away**2]]) @ fitted
-    return not bool(_inside(at, radius_px, shape)[0])
-
-
-def _inside(places: Floats, radius_px: float, shape: tuple[int, int]) -> NDArray[np.bool_]:
-    """Return where a ball is wholly in the picture."""
-    low, high = places.min(axis=1), (np.array(shape) - places).min(axis=1)
-    return np.asarray((low > radius_px) & (high > radius_px))

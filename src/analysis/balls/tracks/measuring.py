@@ -18,7 +18,8 @@ from analysis.balls.flight.flights import Flights, Observed
 from analysis.balls.flight.known import Ball, Known, View
 from analysis.balls.flight.lost import unsure_e
 from analysis.balls.hands import let_go
-from analysis.balls.seen.arcs import Chain, Sightings, chains, find_arcs, joined
+from analysis.balls.seen.arcs import Chain, Sightings, chains, find_arcs
+from analysis.balls.seen.joining import joined
 from analysis.balls.surfaces import Part, parts
 from analysis.balls.tracks.clock import Clock, clock_of
 from analysis.balls.tracks.fall import TableFall, table_fall

@@ -9,8 +9,9 @@ import pytest
 from numpy.typing import NDArray
 
 from analysis.balls.falling import flights_of, other_fall, without_jumps
-from analysis.balls.seen.arcs import Arc, Chain, Sightings, chains, find_arcs, joined
+from analysis.balls.seen.arcs import Arc, Chain, Sightings, chains, find_arcs
 from analysis.balls.seen.free_fall import falls, flown
+from analysis.balls.seen.joining import joined
 from analysis.balls.seen.looks import Looks
 from tests.unit.cli.falling_ball import bouncing
 
