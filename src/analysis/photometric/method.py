@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -42,6 +43,10 @@ COARSE = 2.0
 """`Appearance.coarseness` from which all these rounds are made."""
 LONE_SCALE_SIGMA = 5e-4
 """Of the scale, for each unit of coarseness beyond 1, where one film alone taught."""
+MOST_UNLIKE, SURE_SIGMAS = 0.02, 3.0
+"""By how much learned radii may be off the ratio of the stated diameters, and errors of these: they
+are off by 0.001 to 0.005, and by 0.03 to 0.08 where markers are taken for others (spheres of 10 px
+radius, `python -m benchmarks.pairs`)."""
 SMEARED_ROUNDS = 3
 """Of learning once more from frames whose smear is taken out."""
 LEAST_SHARE_OF_FILM = 0.88
@@ -84,6 +89,7 @@ def learned_film(frames: Grey, times_s: Floats, setup: Setup) -> tuple[Film, App
     if not hold:
         lone = LONE_SCALE_SIGMA * (known.coarseness - 1.0)
         known = replace(known, scale_sigma=float(np.hypot(known.scale_sigma, lone)))
+    refuse_unlike_sizes(known, setup)
     _finish(film, known)
     return film, known
 
@@ -137,6 +143,30 @@ def refuse_faint(known: Appearance) -> None:
             found = f"what was taken for markers of sphere {name} swallows"
             share = f"{100 * sphere.darkness:.0f} % of the light, {100 * LEAST_DARKNESS:.0f} %"
             raise ShotRefusedError("markers", f"{found} {share} are needed to learn from")
+
+
+def refuse_unlike_sizes(known: Appearance, setup: Setup) -> None:
+    """Refuse spheres whose radii, as learned, are not in the ratio of the stated diameters.
+
+    Markers that are taken for others in some frames fit none of them: they come out half as dark,
+    and the sphere of the wrong size and off its place.
+
+    Raises
+    ------
+    ShotRefusedError
+        With the difference and the diameters.
+    """
+    a, b = (2.0 * sphere.radius_m for sphere in known.spheres)
+    stated_a, stated_b = (sphere.diameter_m for sphere in setup.spheres)
+    off = b / a * stated_a / stated_b - 1.0
+    errors = [(each.diameter_sigma_m or 0.0) / each.diameter_m for each in setup.spheres]
+    if abs(off) > math.hypot(MOST_UNLIKE, *(SURE_SIGMAS * each for each in errors)):
+        raise ShotRefusedError(
+            "markers",
+            f"by markers sphere b is {100 * abs(off):.1f} % too {'large' if off > 0 else 'small'} "
+            f"for diameters of {1e3 * stated_a:.4g} mm (a) and {1e3 * stated_b:.4g} mm (b): "
+            "markers are taken for others, or a diameter is not as stated",
+        )
 
 
 def followed_film(
