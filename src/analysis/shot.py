@@ -225,16 +225,17 @@ def analyse_shot(
 MOSTLY = 0.5
 """Share of a sphere's frames without an orientation beyond which its markers tell no turn."""
 BY_MARKERS = {"assignment", "motion"}
-"""Steps at which markers are followed: spheres that turn far from frame to frame show too few of
-them twice, and poses by markers that are taken for others leave free flight."""
+"""Steps at which markers are followed: those of spheres that turn far are lost or mistaken."""
 
 
 def _turnless(found: MeasuredShot | RefusedShot) -> str:
     """Return why markers do not tell how the spheres turn; nothing where they do."""
+    tracking = found.tracking
+    if tracking is not None and not any(len(own.frames) for own in tracking.orientations):
+        return ""  # Outlines alone have measured it.
     if isinstance(found, RefusedShot) and found.step in BY_MARKERS:
         return f"by its markers the shot is refused: {found.reason}"
-    tracking = found.tracking
-    if tracking is None or not any(len(own.frames) for own in tracking.orientations):
+    if tracking is None:  # Refused before any was found.
         return ""
     for name, turned, seen in zip("ab", tracking.orientations, tracking.centres, strict=True):
         if len(turned.frames) < MOSTLY * len(seen.frames):

@@ -45,8 +45,8 @@ LONE_SCALE_SIGMA = 5e-4
 """Of the scale, for each unit of coarseness beyond 1, where one film alone taught."""
 MOST_UNLIKE, SURE_SIGMAS = 0.02, 3.0
 """By how much learned radii may be off the ratio of the stated diameters, and errors of these: they
-are off by 0.001 to 0.005, and by 0.03 to 0.08 where markers are taken for others (spheres of 10 px
-radius, `python -m benchmarks.pairs`)."""
+are off by 0.001 to 0.005, and by 0.03 to 0.08 where markers are taken for others (drawn spheres of
+10 px radius)."""
 SMEARED_ROUNDS = 3
 """Of learning once more from frames whose smear is taken out."""
 LEAST_SHARE_OF_FILM = 0.88

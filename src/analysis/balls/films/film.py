@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.arrays import Floats
-from analysis.balls.films.kept import KeptPictures
+from analysis.balls.films.kept import KeptPictures, has_room
 
 Picture = NDArray[np.uint8] | NDArray[np.uint16]
 Readout = Literal["rows", "columns", "global", "unknown"]
@@ -127,7 +127,7 @@ class Film(ABC):
             yield from self._kept.pictures()
             return
         head, held = self.head, []
-        kept = None if self.may_be_held else KeptPictures.new(head.frames, head.frame_bytes)
+        kept = KeptPictures(head.frames) if self.has_place and not self.may_be_held else None
         keep = True
         taken = 0
         for picture in ahead(self._read()):
@@ -151,14 +151,20 @@ class Film(ABC):
         if wanted <= self._read_before.keys():
             return {k: self._read_before.pop(k) for k in sorted(wanted)}
         last = max(wanted, default=-1)
+        # A film that has a place is read to its end once and never again.
+        to_its_end = self.has_place and self._held is None and self._kept is None
         found = {}
         for number, picture in enumerate(self.pictures()):
             if number in wanted:
                 found[number] = picture
-            # A film is read to its end once, where it has a place, and never again.
-            if number >= last and (self._held is not None or self._kept is not None):
+            if number >= last and not to_its_end:
                 break
         return found
+
+    @property
+    def has_place(self) -> bool:
+        """Return whether memory or a temporary file has room for all frames."""
+        return self.may_be_held or has_room(self.head.frames, self.head.frame_bytes)
 
     @property
     def may_be_held(self) -> bool:

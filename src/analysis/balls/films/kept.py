@@ -21,6 +21,15 @@ MOST_BYTES, ROOM = 8e9, 4.0
 """Of a film that is kept; and the free room of the temporary folder, in sizes of the film."""
 
 
+def has_room(frames: int, frame_bytes: int) -> bool:
+    """Return whether the temporary folder has room for the pictures of a film."""
+    whole = float(frames) * frame_bytes
+    try:
+        return whole <= MOST_BYTES and ROOM * whole <= shutil.disk_usage(gettempdir()).free
+    except OSError:
+        return False
+
+
 class KeptPictures:
     """Pictures of one shape in a file without a name, which ends with the program.
 
@@ -28,6 +37,11 @@ class KeptPictures:
     ----------
     frames
         How many there will be.
+
+    Raises
+    ------
+    OSError
+        No file can be made in the temporary folder.
     """
 
     def __init__(self, frames: int) -> None:
@@ -35,17 +49,6 @@ class KeptPictures:
         self._like = np.empty(0, np.uint8)
         self._file = TemporaryFile(buffering=0)  # noqa: SIM115
         finalize(self, self._file.close)
-
-    @classmethod
-    def new(cls, frames: int, frame_bytes: int) -> KeptPictures | None:
-        """Return a place for the pictures of a film; None where the folder has no room for them."""
-        whole = float(frames) * frame_bytes
-        try:
-            if whole > MOST_BYTES or ROOM * whole > shutil.disk_usage(gettempdir()).free:
-                return None
-            return cls(frames)
-        except OSError:
-            return None
 
     @property
     def whole(self) -> bool:

@@ -67,3 +67,21 @@ def test_a_large_film_is_decoded_again_where_the_folder_is_full(
     for _ in range(2):
         assert np.array_equal(np.array(list(film.pictures())), film.shown)
     assert film.readings == 2
+
+
+def test_frames_are_chosen_without_the_rest_of_a_film_where_the_folder_is_full(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    film = CountedFilm()
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(free=1000))
+    shown, read = film.shown, list[int]()
+
+    def reading() -> Iterator[Picture]:
+        for number in range(100 * FRAMES):
+            read.append(number)
+            yield shown[number % FRAMES]
+
+    monkeypatch.setattr(film, "_read", reading)
+    assert np.array_equal(film.chosen([1])[1], shown[1])
+    # A thread of its own reads a few ahead.
+    assert len(read) < 2 * FRAMES
