@@ -75,7 +75,7 @@ def settle(
     bands, count = filled
     resolve(seen, paint, bands, count)
     sums = weigh(bands[0], count, spread)
-    add_products(bands[0], equations)
+    add_products(bands[0], count, equations)
     return sums
 
 

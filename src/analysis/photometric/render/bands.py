@@ -80,17 +80,19 @@ def look_up(disc: Floats, surface: Floats, band: Floats, count: int) -> None:
     for n in range(np.uint64(count)):
         u, x = band[DOWN + n], band[ACROSS + n]
         square = min((u * u + x * x) * SQUARE_STEPS, furthest)
-        k = np.uint64(square)
+        # By way of 32 bits with a sign: several floats become such integers at once.
+        whole = np.int32(square)
+        k = np.uint64(whole)
         start = disc[k]
         rise = disc[k + ONE] - start
-        band[DISC + n] = start + (square - np.float64(k)) * rise
+        band[DISC + n] = start + (square - np.float64(whole)) * rise
         band[DISC_U + n] = 2.0 * SQUARE_STEPS * rise * u
         band[DISC_V + n] = 2.0 * SQUARE_STEPS * rise * x
         a = min(max(u * per_radius + half, 0.0), widest)
         b = min(max(x * per_radius + half, 0.0), widest)
-        i, j = np.uint64(a), np.uint64(b)
+        i, j = np.int32(a), np.int32(b)
         a, b = a - np.float64(i), b - np.float64(j)
-        low = i * line + j
+        low = np.uint64(i) * line + np.uint64(j)
         near, far = flat[low], flat[low + line]
         across, beyond = flat[low + ONE] - near, flat[low + line + ONE] - far
         near += b * across
@@ -235,17 +237,49 @@ def weigh(band: Floats, count: int, spread: tuple[float, float]) -> tuple[float,
         first = np.uint64(lane * BAND)
         for n in range(filled):
             band[first + n] *= band[ROOT + n]
-        for n in range(filled, np.uint64(BAND)):
-            band[first + n] = 0.0
     return squares, weights
 
 
 @part
-def add_products(band: Floats, equations: Equations) -> None:
-    """Add the products of all derivatives with each other and with the residual."""
-    lanes = band[: (UNKNOWNS + 1) * BAND].reshape(UNKNOWNS + 1, BAND)
-    products = np.dot(lanes, lanes.T)
-    for a in range(UNKNOWNS):
-        for b in range(a + 1):
-            equations.normal[a, b] += products[a, b]
-        equations.right[a] += products[a, UNKNOWNS]
+def add_products(band: Floats, count: int, equations: Equations) -> None:
+    """Add the products of all derivatives with each other and with the residual.
+
+    Three lanes by three: nine sums and what they are of fit into a processor's registers.
+    """
+    for a in range(0, UNKNOWNS, 3):
+        for b in range(0, a + 1, 3):
+            add_nine(band, count, (a, b), equations.normal)
+        add_three(band, count, a, equations.right)
+
+
+@part
+def add_nine(band: Floats, count: int, first: tuple[int, int], normal: Floats) -> None:
+    """Add the products of three lanes of a band with three."""
+    a, b = first
+    a0, b0 = np.uint64(a * BAND), np.uint64(b * BAND)
+    a1, a2, b1, b2 = a0 + L1, a0 + L2, b0 + L1, b0 + L2
+    s00, s01, s02, s10, s11, s12, s20, s21, s22 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for n in range(np.uint64(count)):
+        x, y, z = band[a0 + n], band[a1 + n], band[a2 + n]
+        u, v, w = band[b0 + n], band[b1 + n], band[b2 + n]
+        s00, s01, s02 = s00 + x * u, s01 + x * v, s02 + x * w
+        s10, s11, s12 = s10 + y * u, s11 + y * v, s12 + y * w
+        s20, s21, s22 = s20 + z * u, s21 + z * v, s22 + z * w
+    sums = ((s00, s01, s02), (s10, s11, s12), (s20, s21, s22))
+    for i in range(3):
+        for j in range(3):
+            normal[a + i, b + j] += sums[i][j]
+
+
+@part
+def add_three(band: Floats, count: int, first: int, right: Floats) -> None:
+    """Add the products of three lanes of a band with the residual."""
+    a0 = np.uint64(first * BAND)
+    a1, a2 = a0 + L1, a0 + L2
+    s0, s1, s2 = 0.0, 0.0, 0.0
+    for n in range(np.uint64(count)):
+        off = band[RESIDUAL + n]
+        s0, s1, s2 = s0 + band[a0 + n] * off, s1 + band[a1 + n] * off, s2 + band[a2 + n] * off
+    right[first] += s0
+    right[first + 1] += s1
+    right[first + 2] += s2

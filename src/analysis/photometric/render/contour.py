@@ -3,8 +3,8 @@
 A marker is a cap of the sphere. Its visible part is bounded by its rim and, where the limb cuts
 it, by an arc of the limb. The blurred cover of a pixel is a contour integral (Green's theorem):
 the Gaussian's cumulative across the columns times the Gaussian across the rows. Both factors
-depend on one coordinate only, so that the cover is a product of two matrices, the one rows by
-points, the other points by columns.
+depend on one coordinate only and end a few blurs away from the point: before it the cumulative is 1
+(`before`), beyond it nothing.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ GROWTHS = 2
 """Layers of a deeper canvas behind them: derivatives to the cap's angular radius and to the log
 radius of the sphere."""
 ALPHA, RADIUS = LAYERS, LAYERS + 1
-REACH_SIGMAS = 4.5
+REACH_SIGMAS = 5.0
 MOST_POINTS = 256
 FURTHEST = 6.0
 PER_SIGMA = 64
@@ -163,9 +163,7 @@ def add_cover(
         Angular radius, radians, and standard deviation of the blur, pixels.
     """
     alpha, sigma = cap
-    layers = canvas.shape[1]
-    points = np.empty((MOST_POINTS, 6))
-    radius = place[2]
+    points, radius = np.empty((MOST_POINTS, 6)), place[2]
     count = contour_points(marker, alpha, radius, sigma, points)
     if count == 0:
         return
@@ -175,24 +173,84 @@ def add_cover(
     first_c, last_c = max(first_c, 0), min(last_c, canvas.shape[2])
     if first_r >= last_r or first_c >= last_c:
         return
-    down = np.empty((last_r - first_r, count))
-    share, bell = np.empty((count, last_c - first_c)), np.empty((count, last_c - first_c))
-    factors = np.empty((layers, count))
+    layers, height, width = canvas.shape[1], last_r - first_r, last_c - first_c
+    box, before = np.zeros(height * width * layers), np.zeros((height, width + 1))
+    factors, room = np.empty(layers), np.empty(width * layers)
     for k in range(count):
-        p_r, p_c = at[0] + radius * points[k, 0] - first_r, at[1] + radius * points[k, 1] - first_c
-        for j in range(share.shape[1]):
-            share[k, j], bell[k, j] = gaussian((p_c - j) / sigma)
-        for i in range(down.shape[0]):
-            down[i, k] = gaussian((p_r - i) / sigma)[1]
-        point_factors(points[k], radius, sigma, factors[:, k])
+        point_factors(points[k], radius, sigma, factors)
         if layers > LAYERS:
-            growth_factors(points[k], marker, alpha, radius, factors[:, k])
-    left = np.empty((layers, down.shape[0], count))
-    for layer in range(layers):
-        for i in range(down.shape[0]):
-            for k in range(count):
-                left[layer, i, k] = factors[layer, k] * down[i, k]
-    add_layers(canvas, (first_r, first_c), left, share, bell)
+            growth_factors(points[k], marker, alpha, radius, factors)
+        where = (at[0] + radius * points[k, 0] - first_r, at[1] + radius * points[k, 1] - first_c)
+        add_point(where, sigma, (factors, room), box, before)
+    add_box(canvas, (first_r, first_c), box, before)
+
+
+@part
+def reached(middle: float, sigma: float, size: int) -> tuple[int, int]:
+    """Return the half-open pixels of a box, along one side, that the blur of a point reaches."""
+    first = math.ceil(middle - REACH_SIGMAS * sigma)
+    last = math.floor(middle + REACH_SIGMAS * sigma) + 1
+    return min(max(first, 0), size), min(max(last, 0), size)
+
+
+@part
+def add_point(
+    where: tuple[float, float],
+    sigma: float,
+    weights: tuple[Floats, Floats],
+    box: Floats,
+    before: Floats,
+) -> None:
+    """Add what one point of a contour gives to the pixels that its blur reaches.
+
+    Their layers lie side by side, so that a row of pixels is one vector.
+
+    Parameters
+    ----------
+    where
+        Row and column of the point within the box.
+    weights
+        Those of the point in each layer, shape (layers,), and room for a row of the box.
+    box
+        Added to, shape (rows * columns * layers,).
+    before
+        Added to: cover of all pixels of a row before a column, shape (rows, columns + 1).
+    """
+    factors, room = weights
+    layers, height, width = factors.shape[0], before.shape[0], before.shape[1] - 1
+    first_r, last_r = reached(where[0], sigma, height)
+    first_c, last_c = reached(where[1], sigma, width)
+    filled = np.uint64(0)
+    for j in range(first_c, last_c):
+        share, bell = gaussian((where[1] - j) / sigma)
+        room[filled] = factors[0] * share
+        for layer in range(1, LAYERS):
+            room[filled + np.uint64(layer)] = factors[layer] * bell
+        for layer in range(LAYERS, layers):
+            room[filled + np.uint64(layer)] = factors[layer] * bell
+        filled += np.uint64(layers)
+    for i in range(first_r, last_r):
+        bell = gaussian((where[0] - i) / sigma)[1]
+        before[i, first_c] += factors[0] * bell
+        start = np.uint64((i * width + first_c) * layers)
+        for n in range(filled):
+            box[start + n] += bell * room[n]
+
+
+@part
+def add_box(canvas: Floats, first: tuple[int, int], box: Floats, before: Floats) -> None:
+    """Add a box of `add_point` to a canvas, given where in it the box starts."""
+    layers, width = canvas.shape[1], before.shape[1] - 1
+    for i in range(before.shape[0]):
+        own, left = canvas[first[0] + i], 0.0
+        for j in range(width - 1, -1, -1):
+            left += before[i, j + 1]
+            start = np.uint64((i * width + j) * layers)
+            own[0, first[1] + j] += left
+            for layer in range(LAYERS):
+                own[layer, first[1] + j] += box[start + np.uint64(layer)]
+            for layer in range(LAYERS, layers):
+                own[layer, first[1] + j] += box[start + np.uint64(layer)]
 
 
 @part
@@ -221,34 +279,3 @@ def growth_factors(
     outwards_r, outwards_c = (ca * point[0] - marker[0]) / sa, (ca * point[1] - marker[1]) / sa
     factors[ALPHA] = rim * (outwards_r * to_row + outwards_c * to_column)
     factors[RADIUS] = point[0] * to_row + point[1] * to_column
-
-
-@part
-def add_layers(
-    canvas: Floats, first: tuple[int, int], left: Floats, share: Floats, bell: Floats
-) -> None:
-    """Add the products over all points: the cover with the cumulative, its slopes with the bell.
-
-    Parameters
-    ----------
-    first
-        Row and column of the canvas where they start.
-    left
-        Shape (layers, rows, points), as many as the canvas has.
-    share, bell
-        Shapes (points, columns).
-    """
-    layers, rows, columns = left.shape[0], left.shape[1], np.uint64(share.shape[1])
-    cover = np.dot(left[0], share)
-    slopes = np.dot(left[1:].reshape((layers - 1) * rows, left.shape[2]), bell)
-    # Unsigned indices spare the check for negative ones and become vector instructions.
-    flat, start = canvas.reshape(-1), np.uint64(canvas.shape[2])
-    for i in range(rows):
-        at = np.uint64(layers * (first[0] + i)) * start + np.uint64(first[1])
-        for j in range(columns):
-            flat[at + j] += cover[i, j]
-        for layer in range(layers - 1):
-            at += start
-            own = slopes[layer * rows + i]
-            for j in range(columns):
-                flat[at + j] += own[j]
