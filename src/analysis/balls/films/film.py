@@ -20,7 +20,8 @@ Picture = NDArray[np.uint8] | NDArray[np.uint16]
 Readout = Literal["rows", "columns", "global", "unknown"]
 
 HELD_BYTES = 400e6
-"""Films that take no more are held once they are read; larger ones are kept in a temporary file."""
+"""Films that take no more are held once they are read; larger ones go into a temporary file when
+they are read again."""
 MOST_SAMPLES, LEAST_SAMPLES = 45, 11
 SAMPLED_BYTES = 150e6
 """Of the frames that show what stands still."""
@@ -116,10 +117,11 @@ class Film(ABC):
         self.path, self.head = path, head
         self._held: list[Picture] | None = None
         self._kept: KeptPictures | None = None
+        self._looked_through = False
         self._read_before: dict[int, Picture] = {}
 
     def pictures(self) -> Iterator[Picture]:
-        """Give all frames in order; read once where memory or a temporary file has room."""
+        """Give all frames in order; read once where memory has room, twice where a file has."""
         if self._held is not None:
             yield from self._held
             return
@@ -127,7 +129,7 @@ class Film(ABC):
             yield from self._kept.pictures()
             return
         head, held = self.head, []
-        kept = KeptPictures(head.frames) if self.has_place and not self.may_be_held else None
+        kept = KeptPictures(head.frames) if self._goes_into_file else None
         keep = True
         taken = 0
         for picture in ahead(self._read()):
@@ -144,6 +146,7 @@ class Film(ABC):
             self._held = held
         elif kept is not None and kept.whole:
             self._kept = kept
+        self._looked_through = True
 
     def chosen(self, frames: Sequence[int]) -> dict[int, Picture]:
         """Return some frames by their numbers; those that opening has read are handed on once."""
@@ -151,8 +154,8 @@ class Film(ABC):
         if wanted <= self._read_before.keys():
             return {k: self._read_before.pop(k) for k in sorted(wanted)}
         last = max(wanted, default=-1)
-        # A film that has a place is read to its end once and never again.
-        to_its_end = self.has_place and self._held is None and self._kept is None
+        # A film that is being kept is read to its end once and never again.
+        to_its_end = (self.may_be_held and self._held is None) or self._goes_into_file
         found = {}
         for number, picture in enumerate(self.pictures()):
             if number in wanted:
@@ -162,9 +165,10 @@ class Film(ABC):
         return found
 
     @property
-    def has_place(self) -> bool:
-        """Return whether memory or a temporary file has room for all frames."""
-        return self.may_be_held or has_room(self.head.frames, self.head.frame_bytes)
+    def _goes_into_file(self) -> bool:
+        """Return whether the next look at all frames keeps them in a temporary file."""
+        again = self._looked_through and self._kept is None and not self.may_be_held
+        return again and has_room(self.head.frames, self.head.frame_bytes)
 
     @property
     def may_be_held(self) -> bool:

@@ -1,7 +1,8 @@
-"""Pictures of a film that is too large for memory, kept in a temporary file once they are decoded.
+"""Pictures of a film that is too large for memory, in a temporary file from its second look on.
 
 To decode a picture of 1920 x 1080 pixels of ten bits takes a tenth of a second, to read it from a
-file that was just written a hundredth of that.
+file that was just written a hundredth of that. To write it takes longer than to decode one of
+eight bits, and most films are looked through once.
 """
 
 from __future__ import annotations

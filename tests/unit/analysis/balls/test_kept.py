@@ -1,4 +1,4 @@
-"""Films that are too large for memory are decoded once where the temporary folder has room."""
+"""Films that are too large for memory are decoded twice where the temporary folder has room."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from analysis.balls.films.film import Film, FilmHead, Picture
+from analysis.balls.films.kept import KeptPictures
 
 FRAMES, HEIGHT, WIDTH = 7, 6, 9
 
@@ -36,21 +37,35 @@ def no_memory(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize("kind", [np.uint8, np.uint16])
-def test_a_large_film_is_decoded_once_and_its_pictures_stay_as_they_are(
+def test_a_large_film_is_decoded_twice_and_its_pictures_stay_as_they_are(
     kind: type[np.uint8] | type[np.uint16],
 ) -> None:
     film = CountedFilm(kind)
-    for _ in range(3):
+    for _ in range(4):
         assert np.array_equal(np.array(list(film.pictures())), film.shown)
-    assert film.readings == 1
+    assert film.readings == 2
 
 
-def test_frames_that_were_chosen_first_leave_nothing_to_decode() -> None:
+def test_a_film_that_is_looked_through_once_needs_no_temporary_file(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def none(_: int) -> KeptPictures:
+        raise AssertionError("a temporary file was made")
+
+    monkeypatch.setattr("analysis.balls.films.film.KeptPictures", none)
     film = CountedFilm()
-    chosen = film.chosen([1, 4])
-    assert np.array_equal(chosen[4], film.shown[4])
+    assert np.array_equal(film.chosen([1, 4])[4], film.shown[4])
     assert np.array_equal(np.array(list(film.pictures())), film.shown)
-    assert film.readings == 1
+
+
+def test_frames_that_are_chosen_from_a_film_that_was_looked_through_leave_nothing_to_decode() -> (
+    None
+):
+    film = CountedFilm()
+    assert np.array_equal(np.array(list(film.pictures())), film.shown)
+    assert np.array_equal(film.chosen([1, 4])[4], film.shown[4])
+    assert np.array_equal(np.array(list(film.pictures())), film.shown)
+    assert film.readings == 2
 
 
 def test_a_look_that_stops_early_keeps_no_part_of_a_film() -> None:
@@ -64,9 +79,9 @@ def test_a_large_film_is_decoded_again_where_the_folder_is_full(
 ) -> None:
     film = CountedFilm()
     monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(free=1000))
-    for _ in range(2):
+    for _ in range(4):
         assert np.array_equal(np.array(list(film.pictures())), film.shown)
-    assert film.readings == 2
+    assert film.readings == 4
 
 
 def test_frames_are_chosen_without_the_rest_of_a_film_where_the_folder_is_full(
