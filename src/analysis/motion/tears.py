@@ -221,7 +221,7 @@ def agreeing_turns(
         own = (agree * weight).sum(axis=1) / weight.sum()
         if own.max(initial=0.0) > share:
             share, best = float(own.max()), agree[own.argmax()]
-    if share >= 1.0 - MOST_ASTRAY:
-        return np.ones(count, dtype=np.bool_)
+        if share >= 1.0 - MOST_ASTRAY:
+            return np.ones(count, dtype=np.bool_)
     sure = share >= least and best.sum() >= LEAST_TURNS_CHECKED
     return best if sure else np.zeros(count, dtype=np.bool_)

@@ -184,7 +184,7 @@ def peaks(votes: Single, count: int, apart: float) -> list[tuple[float, float, f
 
     Each with row, column and share; fewer where fewer have votes.
     """
-    left = votes.copy()
+    left, around = votes.copy(), math.ceil(apart)
     found: list[tuple[float, float, float]] = []
     for _ in range(count):
         i, j = map(int, np.unravel_index(int(left.argmax()), left.shape))
@@ -194,8 +194,10 @@ def peaks(votes: Single, count: int, apart: float) -> list[tuple[float, float, f
         inner = 0 < i < votes.shape[0] - 1 and 0 < j < votes.shape[1] - 1
         row, column = _vertex(votes, i, j) if inner else (float(i), float(j))
         found.append((row, column, share))
-        y, x = np.ogrid[: left.shape[0], : left.shape[1]]
-        left[(y - i) ** 2 + (x - j) ** 2 < apart**2] = 0.0
+        top, first, reach = max(i - around, 0), max(j - around, 0), around + 1
+        near = left[top : i + reach, first : j + reach]
+        y, x = np.ogrid[top : top + near.shape[0], first : first + near.shape[1]]
+        near[(y - i) ** 2 + (x - j) ** 2 < apart**2] = 0.0
     return found
 
 
