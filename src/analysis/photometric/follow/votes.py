@@ -97,9 +97,9 @@ def _changing(frames: Grey) -> NDArray[np.bool_]:
     high = BLOCK_PX // EVERY
     down, across = change.shape[0] // high, change.shape[1] // BLOCK_PX
     blocks = change[: down * high, : across * BLOCK_PX]
-    means = blocks.reshape(down, high, across, BLOCK_PX).mean(axis=(1, 3))
-    if means.size == 0:
+    if blocks.size == 0:
         return np.zeros((down, across), dtype=np.bool_)
+    means = cv2.resize(blocks.astype(np.float32), (across, down), interpolation=cv2.INTER_AREA)
     return np.asarray(means > CHANGES * np.median(means) + LEAST_CHANGE)
 
 
@@ -127,9 +127,10 @@ def cast(rows: Single, columns: Single, least: float, radius: float, votes: Sing
     for i in range(rows.shape[0]):
         for j in range(rows.shape[1]):
             d_r, d_c = rows[i, j], columns[i, j]
-            size = math.sqrt(d_r * d_r + d_c * d_c)
-            if size < least:
+            square = d_r * d_r + d_c * d_c
+            if square < least * least:
                 continue
+            size = math.sqrt(square)
             for k in range(-1, 2):
                 reach = (radius + SPREAD_PX * k) / size
                 y, x = int(np.rint(i + reach * d_r)), int(np.rint(j + reach * d_c))
@@ -142,8 +143,10 @@ def vote_map(frame: Grey, background: Floats, noise: float, radius: float) -> Si
     off = np.abs(frame.astype(np.float32) - background.astype(np.float32))
     smooth = cv2.GaussianBlur(off, (0, 0), SMOOTH_PX)
     # Sobel's weights sum to 8 grey levels for a slope of one a pixel.
-    rows: Single = np.asarray(cv2.Sobel(smooth, cv2.CV_32F, 0, 1) / 8.0, dtype=np.float32)
-    columns: Single = np.asarray(cv2.Sobel(smooth, cv2.CV_32F, 1, 0) / 8.0, dtype=np.float32)
+    rows, columns = (
+        np.asarray(cv2.Sobel(smooth, cv2.CV_32F, *along, scale=1 / 8), dtype=np.float32)
+        for along in ((0, 1), (1, 0))
+    )
     noise_slope = noise / (math.sqrt(8 * math.pi) * SMOOTH_PX**2)
     votes = np.zeros(off.shape, dtype=np.float32)
     cast(rows, columns, BEYOND_NOISE * noise_slope, radius, votes)

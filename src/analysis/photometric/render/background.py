@@ -74,8 +74,8 @@ def background_of(frames: Singles, discs: Floats) -> tuple[Floats, float]:
     spread = np.maximum(squares - counts * mean**2, 0.0)[often]
     freedom = counts[often] - 1.0
     # The median of chi-squared over its freedom is about 1 - 2/9f cubed; it ignores flicker.
-    middle = (1 - 2 / (9 * freedom)) ** 3
-    noise2 = float(np.median(spread / freedom / middle)) if often.any() else 1 / 12
+    root = 1 - 2 / (9 * freedom)
+    noise2 = float(np.median(spread / (freedom * root * root * root))) if often.any() else 1 / 12
     noise2 = max(noise2, 1 / 12)
     smooth = _surface(mean, counts, shape)
     rough = np.where(often, mean - smooth, 0.0)
