@@ -15,6 +15,7 @@ import numpy as np
 from analysis.arrays import Floats
 from analysis.collision.coefficients import Impact
 from analysis.collision.instant import NoTouchError, touching_time
+from analysis.collision.operator import Body
 from analysis.errors import NoContactError, ShotRefusedError
 from analysis.imaging.views import ViewGeometry, view_geometries
 from analysis.motion.split import LEAST_FRAMES
@@ -34,6 +35,8 @@ LEAST_OF_A_COORDINATE = 2
 IMPOSSIBLE_SIGMAS, LEAST_BEYOND = 5.0, 0.02
 LEAST_TOGETHER, MOST_OFF = 3, 0.05
 """Frames with both spheres, and how far their places lie off free flight, over both radii."""
+MOST_UNLIKE = 0.05
+"""Sine of the angle between one change of velocity and the opposite of the other, at least."""
 FILMS_OFF = 4.0
 """Lengths of the film in which what moves would have met."""
 _VIEWS = ("front", "front", "top")
@@ -149,6 +152,32 @@ def check_possible(impact: Impact) -> None:
                 f"{name} = {ratio.concise()} lies outside {least:g} to 1, which no contact can; "
                 "check the order of the frames and the orientation of the images",
             )
+
+
+def check_opposite(impact: Impact, bodies: tuple[Body, Body], *, depth_seen: bool) -> None:
+    """Refuse velocities whose changes are not opposite: one impulse changes both.
+
+    That holds for any masses, m_a dv_a = -m_b dv_b, and any law of contact. With a plate there is
+    no second change; where depth is not seen, only the changes across the view count.
+    """
+    if any(body.is_plate for body in bodies):
+        return
+    before, after = impact.before, impact.after
+    a, b = after.velocity_a - before.velocity_a, after.velocity_b - before.velocity_b
+    sigma_a, sigma_b = np.linalg.norm(impact.state_sigma[:, :2], axis=0)
+    axes = slice(3 if depth_seen else 2)
+    ratio = -float(a[axes] @ b[axes]) / max(float(b[axes] @ b[axes]), np.finfo(np.float64).tiny)
+    off = (a + ratio * b)[axes]
+    sigma = np.hypot(sigma_a, ratio * sigma_b)[axes]
+    k = int(np.argmax(np.abs(off) - IMPOSSIBLE_SIGMAS * sigma))
+    allowed = max(IMPOSSIBLE_SIGMAS * float(sigma[k]), MOST_UNLIKE * float(np.linalg.norm(a[axes])))
+    if abs(off[k]) > allowed:
+        raise ShotRefusedError(
+            "motion",
+            f"the changes of both velocities are not opposite: along {'XYZ'[k]} they are "
+            f"{abs(off[k]):.3f} m/s apart, {allowed:.3f} m/s are allowed; one of the tracks is "
+            "wrong, a sphere met something else, or times are not as stated: look at the film",
+        )
 
 
 def what_happened(tracking: Tracking, setup: Setup, times_s: Floats) -> str:

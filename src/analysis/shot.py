@@ -224,7 +224,7 @@ def analyse_shot(
 
 MOSTLY = 0.5
 """Share of a sphere's frames without an orientation beyond which its markers tell no turn."""
-BY_MARKERS = {"assignment", "motion"}
+BY_MARKERS = {"assignment", "motion", "contact"}
 """Steps at which markers are followed: those of spheres that turn far are lost or mistaken."""
 
 

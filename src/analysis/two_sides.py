@@ -37,6 +37,7 @@ from analysis.refusals import (
     check_between,
     check_enough,
     check_free_flight,
+    check_opposite,
     check_parting,
     check_possible,
     check_seen,
@@ -154,6 +155,7 @@ def measure_two_sides(
         impact = _impact(motions, scene, depth_seen=depth_seen)
     check_possible(impact)
     check_parting(impact, left, *(side.rows for side in sides))
+    check_opposite(impact, scene.bodies, depth_seen=depth_seen)
     return TwoSides(
         impact=impact,
         used_before=_numbers(left, sides[0].rows),

@@ -14,7 +14,7 @@ from analysis.imaging.discs import Disc, discs, pair_apart, vote, vote_radii
 from analysis.imaging.edge.frame import FilmEdges, filters
 from analysis.imaging.film_discs import FilmDiscs, film_discs
 from analysis.imaging.film_following import FilmCurves, Rules, follow_discs
-from analysis.imaging.flight_hypotheses import Falling, free_flights, guide, meeting, mirrored
+from analysis.imaging.flight_hypotheses import Falling, guide, meeting, mirrored
 from analysis.imaging.outlines import Place
 from analysis.imaging.views import View, ViewGeometry
 
@@ -210,11 +210,7 @@ def _by_flights(
     votes = vote_radii(radii_px)
     seen = {radius: [_peaks(film, k, radius) for k in range(len(film))] for radius in set(votes)}
     front = next(geometry for geometry in views if geometry.view is View.FRONT)
-    flights = {
-        radius: free_flights([_within(own, front) for own in every], radius, falling)
-        for radius, every in seen.items()
-    }
-    four = meeting((flights[votes[0]], flights[votes[1]]), radii_px, falling)
+    four = meeting((seen[votes[0]], seen[votes[1]]), front.rows, radii_px, falling)
     if four is None:
         return None
     places = np.full((2, len(views), len(film), 2), np.nan)

@@ -140,7 +140,8 @@ Four = tuple[tuple[Flight, Flight], tuple[Flight, Flight]]
 
 
 def meeting(
-    flights: tuple[Sequence[Flight], Sequence[Flight]],
+    places: tuple[Places, Places],
+    rows: tuple[float, float],
     radii: tuple[float, float],
     falling: Falling,
 ) -> Four | None:
@@ -148,33 +149,43 @@ def meeting(
 
     Parameters
     ----------
-    flights
-        Of discs as large as a, and as b; the same ones for spheres alike, of which a is then the
-        one that comes from the left.
+    places
+        In the whole picture, of discs as large as a, and as b; the same ones for spheres alike, of
+        which a is then the one that comes from the left.
+    rows
+        Of the front view, the first and the one after the last. Both spheres come there; what flies
+        off may rise into the rows of the mirror's view.
     radii
         Of a and b, pixels.
     """
-    alike = flights[0] is flights[1]
+    alike = places[0] is places[1]
+    front = [[own[(rows[0] <= own[:, 0]) & (own[:, 0] < rows[1])] for own in p] for p in places]
+    coming = _flights((front[0], front[1]), radii, falling, alike)
+    going = _flights(places, radii, falling, alike)
     best: tuple[int, Four] | None = None
-    for a, b in itertools.product(*(own[:MOST_FLIGHTS] for own in flights)):
+    for a, b in itertools.product(*(own[:MOST_FLIGHTS] for own in coming)):
         if a is b or (alike and a.places[0, 1] > b.places[0, 1]):
             continue
         touch = _touch(a, b, sum(radii), falling)
         if touch is None:
             continue
         after = [
-            [
-                flight
-                for flight in own[:MOST_FLIGHTS]
-                if flight is not before and _leaves(flight, before, touch, radius, falling)
-            ]
-            for own, before, radius in zip(flights, (a, b), radii, strict=True)
+            [flight for flight in own if _leaves(flight, before, touch, radius, falling)]
+            for own, before, radius in zip(going, (a, b), radii, strict=True)
         ]
         for c, d in itertools.product(*after):
             count = sum(len(each.frames) for each in (a, b, c, d))
             if c is not d and (best is None or count > best[0]):
                 best = count, ((a, c), (b, d))
     return None if best is None else best[1]
+
+
+def _flights(
+    places: tuple[Places, Places], radii: tuple[float, float], falling: Falling, alike: bool
+) -> tuple[list[Flight], list[Flight]]:
+    """Return the flights of discs as large as a, and as b."""
+    a = free_flights(places[0], radii[0], falling)
+    return a, a if alike else free_flights(places[1], radii[1], falling)
 
 
 def _touch(a: Flight, b: Flight, reach: float, falling: Falling) -> float | None:

@@ -160,6 +160,23 @@ def test_a_lone_height_that_does_not_keep_the_momentum_is_refused(measured: Meas
         measure_two_sides(wrong, scene)
 
 
+def test_changes_of_velocity_that_are_not_opposite_are_refused(measured: MeasuredShot) -> None:
+    """After the contact the mirror shows something else, which moves at 0.4 m/s in depth."""
+    poses, scene = poses_of(measured), Scene.of(SETUP, measured.slow)
+    since = poses.times_s - measured.impact.contact_time.value
+    position = poses.position.copy()
+    position[:, 0, 2] += 0.4 * np.maximum(since, 0.0)
+    with pytest.raises(ShotRefusedError, match=r"not opposite: along Z they are 0\.4"):
+        measure_two_sides(replace(poses, position=position), scene)
+
+
+def test_changes_of_velocity_are_opposite_for_any_masses(measured: MeasuredShot) -> None:
+    a, b = SETUP.spheres
+    heavy = replace(SETUP, spheres=(a, replace(b, density_kg_per_m3=3.0 * b.density_kg_per_m3)))
+    found = measure_two_sides(poses_of(measured), Scene.of(heavy, measured.slow))
+    assert found.impact.e.value == pytest.approx(measured.impact.e.value, abs=1e-3)
+
+
 @pytest.mark.parametrize("of_b", [0, 1])
 def test_a_contact_after_which_the_mirror_shows_one_height_at_most_is_refused(
     measured: MeasuredShot, of_b: int

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from analysis.arrays import Floats, Grey
 from analysis.compiled import compiled
-from analysis.imaging.flight_hypotheses import Falling, free_flights, guide, meeting, mirrored
+from analysis.imaging.flight_hypotheses import Falling, guide, meeting, mirrored
 from analysis.photometric.learn.appearance import Appearance
 from analysis.photometric.render.camera import Camera
 
@@ -226,14 +226,9 @@ def whereabouts_by_flights(
         Of a and b, pixels.
     """
     split = int(camera.optics.rows[1, 1]) if len(camera.views) > 1 else 0
-    seen = [_discs(own, radius) for own, radius in zip(votes, radii, strict=True)]
-    flights = [
-        free_flights([own[own[:, 0] >= split] for own in every], radius, falling)
-        for every, radius in zip(seen, radii, strict=True)
-    ]
-    if radii[0] == radii[1]:
-        flights[1] = flights[0]
-    four = meeting((flights[0], flights[1]), radii, falling)
+    a = _discs(votes[0], radii[0])
+    seen = a, a if radii[0] == radii[1] else _discs(votes[1], radii[1])
+    four = meeting(seen, (split, math.inf), radii, falling)
     if four is None:
         return None
     centres = np.full((2, len(falling.times_s), 3), np.nan)

@@ -17,6 +17,7 @@ from analysis.imaging.flight_hypotheses import (
 RADIUS, FRAMES, CONTACT = 10.0, 20, 9.4
 FALLING = Falling(np.arange(FRAMES) / 250.0, 1.2e5)
 """Discs fall by 1.9 pixels more in every frame than in the one before."""
+VIEW = (-np.inf, np.inf)
 TOUCH = np.array([[300.0, 390.0], [300.0, 410.0]])
 BEFORE = np.array([[0.0, 45.0], [0.0, -38.0]])
 """Pixels a frame, of a and b: more than four radii."""
@@ -45,8 +46,7 @@ def found(after: Floats, seed: int = 0, lost: tuple[int, ...] = ()) -> tuple[Flo
     places = shown(paths, np.random.default_rng(seed))
     for k in lost:
         places[k] = places[k][:0]
-    flights = free_flights(places, RADIUS, FALLING)
-    four = meeting((flights, flights), (RADIUS, RADIUS), FALLING)
+    four = meeting((places, places), VIEW, (RADIUS, RADIUS), FALLING)
     assert four is not None
     return paths, guide(four, FALLING)
 
@@ -73,11 +73,26 @@ def test_frames_without_discs_are_bridged() -> None:
     np.testing.assert_allclose(places, paths, atol=2.0)
 
 
+def test_a_sphere_that_leaves_into_the_rows_of_the_mirror_is_found_again() -> None:
+    # Struck upward it shows in two frames below row 250, and the mirror shows both above it.
+    paths = collision(np.array([[-35.0, 5.0], [36.0, 4.0]]))
+    mirror = np.stack([np.array([[20.0, p[1]], [60.0, q[1]]]) for p, q in zip(*paths, strict=True)])
+    places = [
+        np.concatenate([own, shown_there])
+        for own, shown_there in zip(shown(paths, np.random.default_rng(0)), mirror, strict=True)
+    ]
+    four = meeting((places, places), (250.0, np.inf), (RADIUS, RADIUS), FALLING)
+    assert four is not None
+    seen = guide(four, FALLING)
+    np.testing.assert_allclose(seen[0, :17], paths[0, :17], atol=2.0)
+    np.testing.assert_allclose(seen[1], paths[1], atol=2.0)
+
+
 def test_spheres_that_pass_far_from_each_other_do_not_meet() -> None:
     paths = collision(BEFORE)
     paths[1, :, 0] += 10 * RADIUS
-    flights = free_flights(shown(paths, np.random.default_rng(0)), RADIUS, FALLING)
-    assert meeting((flights, flights), (RADIUS, RADIUS), FALLING) is None
+    places = shown(paths, np.random.default_rng(0))
+    assert meeting((places, places), VIEW, (RADIUS, RADIUS), FALLING) is None
 
 
 def test_what_stands_still_is_no_flight() -> None:
@@ -94,8 +109,8 @@ def four_and_mirror(rows: Floats) -> tuple[Four, Floats, list[Floats]]:
         In the mirror's view, of a and b, shape (2, frames); not a number where it shows no disc.
     """
     paths = collision(np.array([[0.0, -30.0], [0.0, 31.0]]))
-    flights = free_flights(shown(paths, np.random.default_rng(0)), RADIUS, FALLING)
-    four = meeting((flights, flights), (RADIUS, RADIUS), FALLING)
+    direct = shown(paths, np.random.default_rng(0))
+    four = meeting((direct, direct), VIEW, (RADIUS, RADIUS), FALLING)
     assert four is not None
     places = np.stack([rows, paths[..., 1] + 3.0], axis=-1)
     discs = [places[::-1, k][np.isfinite(places[::-1, k, 0])] for k in range(FRAMES)]
