@@ -37,6 +37,8 @@ def doubts(measured: MeasuredBall, flights: Flights, *, alone: bool = True) -> I
     yield from _unsure(measured.unsure_e, flights)
     if measured.outline_e is not None:
         yield from _by_outline(measured.outline_e, flights)
+    if measured.sizes_e is not None:
+        yield from _by_sizes(measured.sizes_e, flights)
     yield from _by_mass(measured, flights)
     if measured.bounces == 1 and alone:
         yield from _alone(measured, flights)
@@ -149,6 +151,18 @@ def _by_outline(outline_e: Floats, flights: Flights) -> Iterator[str]:
             f"e of bounce {bounce + 1}, {_before(flights, bounce)}, depends by "
             f"{outline_e[bounce]:.2f} on where the ball's outline is beside patches that are as "
             "light as what is behind them; the error of e holds as much"
+        )
+
+
+def _by_sizes(sizes_e: Floats, flights: Flights) -> Iterator[str]:
+    """Name the bounce whose e depends most on the sizes of a ball whose mass is not stated."""
+    bounce = int(np.argmax(sizes_e))
+    if sizes_e[bounce] > UNSETTLED_E:
+        yield (
+            f"e of bounce {bounce + 1}, {_before(flights, bounce)}, depends by "
+            f"{sizes_e[bounce]:.2f} on how large the ball is seen, which tells its drag from a "
+            "drift towards the camera, and which a codec and smears change too; the error of e "
+            "holds as much; state the mass (--ball-mass-g)"
         )
 
 

@@ -24,7 +24,7 @@ from analysis.balls.seen.arcs import Chain
 from analysis.balls.seen.looks import Looks
 from analysis.balls.seen.placing import Placed, Placer
 from analysis.balls.seen.windows import Motion, Window
-from analysis.balls.settling import Fit, by_outline, last_change, observed_of
+from analysis.balls.settling import Fit, by_outline, by_sizes, last_change, observed_of
 from analysis.balls.surfaces import Part, parts
 from analysis.balls.systematics import (
     ByRadius,
@@ -85,6 +85,9 @@ class MeasuredBall:
     outline_e
         By how much e of each bounce depends on where the outline of a ball with patches is where
         these are as light as the ground, shape (B,); None: it has none, or that is not known.
+    sizes_e
+        By how much e of each bounce depends on the sizes of a ball of unknown mass in a compressed
+        film, shape (B,); None: on no sizes.
     others
         The ball at other surfaces of the same film: walls, and a plate before or after one.
     """
@@ -102,6 +105,7 @@ class MeasuredBall:
     gaps: tuple[Gap, ...] = ()
     more_gaps: bool = False
     outline_e: Floats | None = None
+    sizes_e: Floats | None = None
     others: tuple[MeasuredBall, ...] = ()
 
     @property
@@ -259,6 +263,7 @@ def _at_surface(
         outline_e=by_outline(
             placer, (own, motion, row_time), fits, times_s, 0.0 if told is None else told[1]
         ),
+        sizes_e=by_sizes(fits),
         unsure_e=_unsure(flights),
         head=film.head,
     )
@@ -325,6 +330,7 @@ def coefficient(measured: MeasuredBall, bounce: int) -> tuple[float, float]:
         return math.nan, math.inf
     coded = LEAST_CODEC_E if measured.head.compressed else 0.0
     told = float(measured.unsettled_e[bounce]), float(measured.unsure_e[bounce])
-    outline = 0.0 if measured.outline_e is None else float(measured.outline_e[bounce])
+    choices = (measured.outline_e, measured.sizes_e)
+    chosen = (float(each[bounce]) for each in choices if each is not None)
     e, sigma = flights.coefficient(bounce)
-    return e, math.hypot(sigma, *told, outline, coded)
+    return e, math.hypot(sigma, *told, *chosen, coded)

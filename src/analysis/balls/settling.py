@@ -71,3 +71,23 @@ def by_outline(
         if fitted is not None and fitted.bounces == flights.bounces:
             changed = np.hypot(changed, fitted.contacts[:, 3] / fitted.contacts[:, 1] - e)
     return np.asarray(changed)
+
+
+def by_sizes(fits: Sequence[Fit]) -> Floats | None:
+    """Return by how much e of each bounce depends on the sizes of a ball of unknown mass.
+
+    In a compressed film sizes follow smears and grounds beside the ball's distance. Drifts that
+    they are taken for bend flights as much drag does, and nothing else tells that drag: flights are
+    fitted once more without them. None where that is not so.
+    """
+    if not fits:
+        return None
+    observed, start, known, flights = fits[-1]
+    open_drag = known.ball.density is None and known.view.compressed
+    if not open_drag or flights.observed.sizes is None:
+        return None
+    plain = fit_flights(replace(observed, sizes=None), start, known, flights)
+    if plain is None or plain.bounces != flights.bounces:
+        return None
+    e, other = (each.contacts[:, 3] / each.contacts[:, 1] for each in (flights, plain))
+    return np.asarray(np.abs(e - other))
