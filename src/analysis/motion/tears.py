@@ -183,6 +183,8 @@ LEAST_TOGETHER, LEAST_IN_ONE_VIEW = 0.5, 0.8
 agrees may be the wrong one of two."""
 
 LEAST_TURNS_CHECKED = 3
+FARTHER = 1.5
+"""Of the shortest time between orientations: rounded times vary by less."""
 
 
 def agreeing_turns(
@@ -191,7 +193,9 @@ def agreeing_turns(
     """Return which orientations of one side of a contact agree with one rate, shape (frames,).
 
     All of them where hardly any lies off it; none where less than `least` of their weight agrees,
-    or where two agree and others contradict them: any two have a rate in common.
+    where two agree and others contradict them, as any two have a rate in common, or where none
+    that agree are as close in time as others are: three at even distances have a rate in common
+    with any that makes whole turns more in between.
 
     Parameters
     ----------
@@ -224,4 +228,6 @@ def agreeing_turns(
         if share >= 1.0 - MOST_ASTRAY:
             return np.ones(count, dtype=np.bool_)
     sure = share >= least and best.sum() >= LEAST_TURNS_CHECKED
+    # Whole turns between those that agree are told by frames as close as any.
+    sure = sure and np.diff(times_s[best]).min() < FARTHER * np.diff(times_s).min()
     return best if sure else np.zeros(count, dtype=np.bool_)

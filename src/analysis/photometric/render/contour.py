@@ -23,7 +23,10 @@ GROWTHS = 2
 """Layers of a deeper canvas behind them: derivatives to the cap's angular radius and to the log
 radius of the sphere."""
 ALPHA, RADIUS = LAYERS, LAYERS + 1
-REACH_SIGMAS = 5.0
+REACH_SIGMAS, POINT_SIGMAS = 4.5, 5.0
+"""How far the blur of a whole cover is drawn, and that of one point of its contour.
+
+Points that do not quite close a contour which the limb cuts cover pixels before it a little."""
 MOST_POINTS = 256
 FURTHEST = 6.0
 PER_SIGMA = 64
@@ -188,8 +191,8 @@ def add_cover(
 @part
 def reached(middle: float, sigma: float, size: int) -> tuple[int, int]:
     """Return the half-open pixels of a box, along one side, that the blur of a point reaches."""
-    first = math.ceil(middle - REACH_SIGMAS * sigma)
-    last = math.floor(middle + REACH_SIGMAS * sigma) + 1
+    first = math.ceil(middle - POINT_SIGMAS * sigma)
+    last = math.floor(middle + POINT_SIGMAS * sigma) + 1
     return min(max(first, 0), size), min(max(last, 0), size)
 
 

@@ -68,3 +68,10 @@ def test_two_orientations_do_not_outvote_those_that_contradict_them() -> None:
 def test_three_orientations_of_one_rate_all_count() -> None:
     turns = turning(np.random.default_rng(5)).as_matrix()[:3]
     assert agreeing_turns(TIMES[:3], turns, np.full(3, SIGMA)).all()
+
+
+def test_orientations_that_agree_but_for_whole_turns_in_between_are_none() -> None:
+    """Each third frame agrees with a slow rate as well as with the true one; the other tells."""
+    frames = np.array([0, 2, 3, 6])
+    turns = Rotation.from_rotvec((2 * np.pi / 3 + 0.1) * frames[:, None] * [0.0, 0.6, 0.8])
+    assert not agreeing_turns(TIMES[frames], turns.as_matrix(), np.full(4, SIGMA)).any()
