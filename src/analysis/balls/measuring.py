@@ -3,27 +3,27 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from analysis.arrays import Floats
 from analysis.balls.films.film import Film, FilmHead
-from analysis.balls.first_places import first_motion, first_places, view_of
 from analysis.balls.flight import path
 from analysis.balls.flight.fit import fit_flights
 from analysis.balls.flight.flights import Flights
 from analysis.balls.flight.kinds import told_drag
-from analysis.balls.flight.known import Ball, Known
+from analysis.balls.flight.known import Ball, Known, View
 from analysis.balls.flight.lost import contradicted, find_gap, unsure_e
 from analysis.balls.found import Search
 from analysis.balls.gaps import Gap, mended
+from analysis.balls.hands import free, let_go
 from analysis.balls.searching import search
 from analysis.balls.seen.arcs import Chain
 from analysis.balls.seen.looks import Looks
 from analysis.balls.seen.placing import Placed, Placer
-from analysis.balls.seen.windows import Motion, Window
+from analysis.balls.seen.windows import Motion, Seen, Window, cut_windows
 from analysis.balls.settling import Fit, by_outline, by_sizes, last_change, observed_of
 from analysis.balls.surfaces import Part, parts
 from analysis.balls.systematics import (
@@ -43,6 +43,8 @@ REPEATS, MOST_REPEATS = 3, 5
 SETTLED_E = 1e-3
 LEAST_HELD = 0.7
 """Of the places that the fit before holds: a fit of fewer has gone astray."""
+NEIGHBOURS = 5
+"""Sightings before and after that tell a speed before any flight is fitted."""
 LEAST_CODEC_E = 5e-4
 """Standard error of e that a codec leaves beside that of the radius: it moves rims by amounts that
 follow the ball's way, which no scatter about flights tells (python -m benchmarks.balls)."""
@@ -206,13 +208,20 @@ def _at_surface(
 ) -> tuple[MeasuredBall, list[Fit]]:
     """Return the flights about bounces off one surface, and what they were fitted to each time."""
     ball, exposure_s = stated
-    chain, times_s = found.chain, found.times_s
+    looks, chain, times_s = found.looks, found.chain, found.times_s
     start = part.start(found.fall, float(found.fall[0]) if found.contradicts else None)
     period = float(np.median(np.diff(times_s)))
-    motion = first_motion(chain, found.fall)
-    placer, told, first = first_places(film, found, stated, (start, motion, period))
-    looks, windows = first.looks, first.windows
-    bare = placed = first.placed
+    motion = _first_motion(chain, found.fall)
+    placer = Placer.new(looks.radius_px, exposure_s or 0.0, patched=looks.patched)
+    longest = period if exposure_s is None else exposure_s
+    seen = Seen(found.gains, found.about, found.unexplained)
+    looks, windows = _windows(
+        placer, looks, motion, lambda ball: cut_windows(film, ball, motion, longest, seen)
+    )
+    told = None if exposure_s is not None else placer.learn_exposure(windows, motion, period)
+    clear = free(placer.place(windows, motion), chain)
+    flown = let_go(clear.frames, clear.places[:, 0], (chain, times_s), looks.radius_px)
+    bare = placed = clear.of(flown)
     of_radius: ByRadius | None = None
     flights, told_by, earlier, own, row_time = None, placed, placed, windows, 0.0
     drag = ball.drag_per_m()
@@ -220,7 +229,7 @@ def _at_surface(
     coefficients: list[Floats] = []
     fits: list[Fit] = []
     for repeat in range(MOST_REPEATS if len(chain.times_s) else 0):
-        view = view_of(film.head, period, placer.exposure_s)
+        view = _view(film.head, period, placer.exposure_s)
         observed = observed_of(placed, times_s, of_radius)
         known = Known(ball, view, looks.radius_px, looks.radius_sigma_px, drag)
         fitted = fit_flights(observed, start, known, flights)
@@ -282,6 +291,19 @@ def _unsure(flights: Flights | None) -> Floats:
     return unsure_e(flights)
 
 
+def _windows(
+    placer: Placer, looks: Looks, motion: Motion, cut: Callable[[Looks], list[Window]]
+) -> tuple[Looks, list[Window]]:
+    """Return the ball's looks and windows, with the radius and the blur that explain them best."""
+    windows = cut(looks)
+    placer.learn_blur(windows, motion)
+    if placer.learn_radius(windows, motion):
+        looks = looks.with_radius(placer.radius_px)
+        windows = cut(looks)
+        placer.learn_blur(windows, motion)
+    return looks, windows
+
+
 def _learn_light(
     placer: Placer, seen: tuple[list[Window], Motion, float], rims: RimsOff | None
 ) -> Motion:
@@ -293,6 +315,18 @@ def _learn_light(
         motion = replace(motion, places=motion.places + rims.shift)
         placer.learn_light_at(own, motion, row_time)
     return motion
+
+
+def _view(head: FilmHead, period_s: float, exposure_s: float) -> View:
+    return View(
+        *head.whole,
+        period_s,
+        exposure_s,
+        head.readout,
+        focal_px=head.focal_px,
+        principal_px=head.principal,
+        compressed=head.compressed,
+    )
 
 
 def _placed(
@@ -312,6 +346,21 @@ def _placed(
 def _of_motion(windows: Sequence[Window], motion: Motion) -> list[Window]:
     known = set(motion.frames.tolist())
     return [window for window in windows if window.frame in known]
+
+
+def _first_motion(chain: Chain, fall: Floats) -> Motion:
+    """Return places as seen, and speeds from the sightings about each."""
+    frames, places, speeds = [], [], []
+    for arc in chain.arcs:
+        for k, frame in enumerate(arc.frames.tolist()):
+            part = slice(max(0, k - NEIGHBOURS), k + NEIGHBOURS + 1)
+            middle, _, speed = arc.course_of(part, fall)
+            frames.append(frame)
+            places.append(arc.places[k])
+            speeds.append(speed + fall * (arc.times_s[k] - middle))
+    order = np.argsort(frames, kind="stable")
+    frames_, index = np.unique(np.array(frames)[order], return_index=True)
+    return Motion(frames_, np.array(places)[order][index], np.array(speeds)[order][index])
 
 
 def _fitted_motion(flights: Flights) -> Motion:

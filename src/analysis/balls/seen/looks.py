@@ -16,13 +16,7 @@ from analysis.arrays import Floats
 from analysis.balls.discs.disc import Disc
 from analysis.balls.discs.finding import find_balls
 from analysis.balls.films.film import FilmHead, Picture
-from analysis.balls.films.tone import light
-from analysis.balls.seen.channels import (
-    CODEC_LEVELS,
-    other_weights,
-    patched_weights,
-    rim_weights,
-)
+from analysis.balls.films.tone import BRIGHTNESS, light
 
 Singles = NDArray[np.float32]
 
@@ -46,6 +40,8 @@ LIGHT_SIGMA = 0.04
 """Relative error of a radius that a smooth shading is fitted with."""
 OUTLINE_SIGMA = 0.025
 """The same of the outline of a ball with patches."""
+LEAST_BRIGHTNESS = 0.2
+"""Of the largest difference of a channel, where brightness is taken for the rim."""
 RIM_SIGMA = 0.007
 """Relative error of a rim's radius where half of the ball is as dark as the ground."""
 ONE_SIDED_SIGMA = 0.015
@@ -53,10 +49,16 @@ ONE_SIDED_SIGMA = 0.015
 the other limb as dark as the ground, and what is taken for the rim ends before it."""
 CODEC_PX = 0.4
 """Error of a rim's radius where a codec, or a telephone's sharpening, has been at it."""
+CODED_RADIUS_PX = 13.0
+"""Larger balls of compressed films are fitted in pixels that are whole multiples of the film's."""
+CODEC_LEVELS, MOST_CODEC_NOISE = 2.0, 0.3
+"""Error of a channel's light, and what of it may be left of a ball's contrast of 1."""
 LEAST_PATCHES = 0.35
 """What a smooth shading leaves of a ball's light, over the difference from its ground: patches."""
 INSIDE_RADII = 0.85
 """Of a disc: pixels that tell the ball's own light."""
+SHADOW_WEIGHT = 25.0
+"""By how much the ground's own colour counts as noise: shadows dim it and drop out."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,8 +80,6 @@ class Looks:
         Frame and disc of each sighting that taught this.
     patches
         What the shading leaves of the ball's light, rms, over that of ball less ground.
-    others
-        Light weights of other channels, in one of which places may lie nearer to free flights.
     """
 
     radius_px: float
@@ -89,7 +89,6 @@ class Looks:
     light_weights: Floats
     seen: tuple[tuple[int, Disc], ...]
     patches: float = 0.0
-    others: tuple[Floats, ...] = ()
 
     @property
     def patched(self) -> bool:
@@ -242,16 +241,16 @@ def looks_of(
     lit, behind = light(ball, head), light(still, head)
     patches = _patches(terms, lit, behind)
     patched = patches > LEAST_PATCHES
-    own = patched_weights(lit, behind) if patched else rim_weights(lit, behind, head, radius)
     return Looks(
         radius_px=radius,
         radius_sigma_px=math.hypot(spread, RIM_SIGMA * radius, CODEC_PX * head.compressed),
         shading=shading,
         spread=left + least**2 * np.eye(head.channels),
-        light_weights=own,
+        light_weights=patched_weights(lit, behind)
+        if patched
+        else rim_weights(lit, behind, head, radius),
         seen=tuple(family),
         patches=patches,
-        others=() if patched else other_weights((ball, still), terms, head, own),
     )
 
 
@@ -297,3 +296,48 @@ def _patches(terms: Floats, ball: Singles, still: Singles) -> float:
     left = ball - terms @ np.linalg.lstsq(terms, ball.astype(np.float64), rcond=None)[0]
     whole = float(((ball - still).astype(np.float64) ** 2).sum())
     return math.sqrt(float((left**2).sum()) / max(whole, 1e-12))
+
+
+def patched_weights(ball: Singles, still: Singles) -> Floats:
+    """Return weights for light at the rim of a ball with patches: brightness.
+
+    Patches differ in brightness, most of all; a difference of colours that tells all of them from
+    the ground is faint. Brightness is measured by squares: white and black may be as bright as the
+    ground in the mean.
+    """
+    channels = ball.shape[1]
+    weights = BRIGHTNESS if channels == len(BRIGHTNESS) else np.full(channels, 1.0 / channels)
+    apart = (ball - still).astype(np.float64) @ weights
+    return np.asarray(weights / max(math.sqrt(float((apart**2).mean())), 1e-9))
+
+
+def rim_weights(ball: Singles, still: Singles, head: FilmHead, radius_px: float) -> Floats:
+    """Return weights for light at the rim: brightness where a codec has halved the colours.
+
+    Of a large ball half of the colours is enough, and a shadow on the wall behind it, which goes
+    with it, drops out.
+    """
+    colours = _fisher(ball, still)
+    if head.channels != 3 or not head.compressed:
+        return colours
+    faint = float(np.hypot.reduce(colours)) * CODEC_LEVELS > MOST_CODEC_NOISE
+    difference = (ball.mean(axis=0) - still.mean(axis=0)).astype(np.float64)
+    brightness = float(BRIGHTNESS @ difference)
+    dark = abs(brightness) <= LEAST_BRIGHTNESS * float(np.abs(difference).max())
+    if dark or (radius_px >= 2 * CODED_RADIUS_PX and not faint):
+        return colours
+    return BRIGHTNESS / brightness
+
+
+def _fisher(ball: NDArray[np.generic], still: NDArray[np.generic]) -> Floats:
+    inside, behind = np.asarray(ball, np.float64), np.asarray(still, np.float64)
+    difference = inside.mean(axis=0) - behind.mean(axis=0)
+    if len(difference) == 1:
+        return np.asarray(1.0 / np.where(difference == 0, 1.0, difference))
+    base = behind.mean(axis=0)
+    within = [np.asarray(np.cov(each.T), dtype=np.float64) for each in (inside, behind)]
+    spread = within[0] + within[1] + np.eye(len(difference))
+    scale = float(np.trace(spread)) / len(difference)
+    colour = np.outer(base, base) / float(base @ base)
+    weights = np.linalg.solve(spread + SHADOW_WEIGHT * scale * colour, difference)
+    return np.asarray(weights / float(weights @ difference))

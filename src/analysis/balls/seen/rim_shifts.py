@@ -21,7 +21,7 @@ from analysis.arrays import Floats
 from analysis.balls.discs.disc import Disc
 from analysis.balls.films.film import Film, FilmHead, Picture
 from analysis.balls.films.tone import light
-from analysis.balls.seen.channels import rim_weights
+from analysis.balls.seen.looks import rim_weights
 from analysis.balls.seen.placing import Placed
 
 Ints = NDArray[np.intp]

@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 
 from analysis.arrays import Floats
 from analysis.balls.films.film import Picture
-from analysis.balls.seen.channels import SHADE
 from analysis.balls.seen.looks import Looks, shaded
 
 Singles = NDArray[np.float32]
@@ -29,6 +28,8 @@ LEAST_RESPONSE = 0.3
 MOST = 6
 LEAST_SHRUNK = 2.5
 """Of a sparse picture; less would let fine patterns through."""
+SHADE = 0.3
+"""Standard deviation of a ground's light in shadows that come and go, over its light."""
 TINY = 1e-6
 BESIDE, RING = 0.5, (1.2, 1.6)
 """What a pixel beside the ball counts of one within it, and how far that reaches, radii."""

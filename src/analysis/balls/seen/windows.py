@@ -11,8 +11,7 @@ from analysis.arrays import Floats
 from analysis.balls.films.film import Film, FilmHead, Picture
 from analysis.balls.films.tone import light
 from analysis.balls.seen.background import background_without
-from analysis.balls.seen.channels import CODED_RADIUS_PX
-from analysis.balls.seen.looks import Looks
+from analysis.balls.seen.looks import CODED_RADIUS_PX, Looks
 from analysis.balls.seen.photometry import WEIGHT
 from analysis.balls.seen.surroundings import Box, Surroundings
 
@@ -93,73 +92,39 @@ class Seen:
 NOTHING = Seen()
 
 
-class Cuts:
-    """The surroundings of the ball in each frame, from which windows of any channel are made.
-
-    The film is read once more, but where the search has kept all that is needed.
-
-    Parameters
-    ----------
-    looks
-        Whose radius says how much is needed.
-    exposure_s
-        During which it may move.
-    """
-
-    def __init__(
-        self, film: Film, looks: Looks, motion: Motion, exposure_s: float, known: Seen = NOTHING
-    ) -> None:
-        self._head, self._known = film.head, known
-        self._boxes = {
-            int(frame): _box(film.head, looks, motion, k, exposure_s)
-            for k, frame in enumerate(motion.frames)
-        }
-        top, left = (min(box[side] for box in self._boxes.values()) for side in (0, 1))
-        bottom, right = (max(box[side] for box in self._boxes.values()) for side in (2, 3))
-        self._whole = top, left, bottom, right
-        self._cuts, self._samples = _kept(self._boxes, self._whole, known.about) or _read(
-            film, self._boxes, self._whole
-        )
-
-    def windows(self, looks: Looks) -> list[Window]:
-        """Return windows of the channel of a ball's looks, all as bright as one another.
-
-        What stands still is learned again from frames in which the ball is elsewhere.
-        """
-        still = self._still(looks)
-        top, left, _, _ = self._whole
-        # A codec keeps nothing of a rim that is finer than a few pixels; patches of many take long.
-        coarse = self._head.compressed or looks.patched
-        factor = max(1, int(looks.radius_px / CODED_RADIUS_PX)) if coarse else 1
-        windows = []
-        for number, cut in self._cuts.items():
-            a, b, c, d = self._boxes[number]
-            behind = still[a - top : c - top, b - left : d - left]
-            shown = self._shown(number, cut, looks)
-            windows.append(_window(number, (a, b), cut, (shown, behind), factor))
-        return windows
-
-    def _shown(self, number: int, picture: Picture, looks: Looks) -> Singles:
-        gains = self._known.gains
-        gain = 1.0 if gains is None else float(gains[number])
-        return np.asarray(_channel(picture, looks, self._head) / gain, dtype=np.float32)
-
-    def _still(self, looks: Looks) -> Singles:
-        beside = self._known.beside
-        resting = {} if beside is None else _resting(self._head, looks, beside)
-        hidden = [
-            _hidden(self._whole, self._boxes.get(number, resting.get(number)))
-            for number in self._samples
-        ]
-        shown = [self._shown(*each, looks) for each in self._samples.items()]
-        return background_without(shown, hidden)
-
-
 def cut_windows(
     film: Film, looks: Looks, motion: Motion, exposure_s: float, known: Seen = NOTHING
 ) -> list[Window]:
-    """Return the surroundings of the ball in each frame, in the channel of its looks."""
-    return Cuts(film, looks, motion, exposure_s, known).windows(looks)
+    """Return the surroundings of the ball in each frame, all as bright as one another.
+
+    The film is read once more, but where the search has kept all that is needed. What stands still
+    is learned again from frames in which the ball is elsewhere.
+    """
+    boxes = {
+        int(frame): _box(film.head, looks, motion, k, exposure_s)
+        for k, frame in enumerate(motion.frames)
+    }
+    top, left = (min(box[side] for box in boxes.values()) for side in (0, 1))
+    bottom, right = (max(box[side] for box in boxes.values()) for side in (2, 3))
+    whole = top, left, bottom, right
+    cuts, samples = _kept(boxes, whole, known.about) or _read(film, boxes, whole)
+
+    def shown(number: int, picture: Picture) -> Singles:
+        gain = 1.0 if known.gains is None else float(known.gains[number])
+        return np.asarray(_channel(picture, looks, film.head) / gain, dtype=np.float32)
+
+    resting = {} if known.beside is None else _resting(film.head, looks, known.beside)
+    hidden = [_hidden(whole, boxes.get(number, resting.get(number))) for number in samples]
+    still = background_without([shown(*each) for each in samples.items()], hidden)
+    # A codec keeps nothing of a rim that is finer than a few pixels; patches of many take long.
+    coarse = film.head.compressed or looks.patched
+    factor = max(1, int(looks.radius_px / CODED_RADIUS_PX)) if coarse else 1
+    windows = []
+    for number, cut in cuts.items():
+        a, b, c, d = boxes[number]
+        behind = still[a - top : c - top, b - left : d - left]
+        windows.append(_window(number, (a, b), cut, (shown(number, cut), behind), factor))
+    return windows
 
 
 def _kept(boxes: dict[int, Box], whole: Box, about: Surroundings | None) -> _Cuts | None:

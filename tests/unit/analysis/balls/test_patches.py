@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from analysis.balls.seen.channels import patched_weights
+from analysis.balls.seen.looks import patched_weights
 from analysis.balls.seen.placing import Placer
 from analysis.balls.seen.windows import Motion, Window
 
