@@ -29,6 +29,9 @@ from analysis.errors import ShotRefusedError
 TURNS = {2: "stands upside down", 1: "lies on its side", 3: "lies on its side"}
 """Quarter turns that may put a film upright, and what is wrong with it."""
 
+MOST_UNSURE_FALL = 0.1
+"""Relative error of gravity in flights by which a film is believed to stand otherwise."""
+
 
 @dataclass(frozen=True, slots=True)
 class FilmJob:
@@ -207,6 +210,11 @@ def _in_one_rate(
     return None
 
 
+def _falls(measured: MeasuredBall) -> bool:
+    """Return whether flights are bent by gravity, by several of their errors."""
+    return measured.flights is not None and measured.flights.scale_of_fall[1] < MOST_UNSURE_FALL
+
+
 def _seen_elsewhere(measured: MeasuredBall) -> bool:
     """Return whether a ball is seen in more frames outside its one flight than in it."""
     flown = sum(len(arc.frames) for arc in measured.chain.arcs)
@@ -228,6 +236,7 @@ def _turned(
 
     A way in which the ball bounces goes before one in which it only flies; one flight of fewer
     frames than those in which the ball is seen elsewhere is none: so a ball moves that is pushed.
+    Nor does a ball fall whose flights leave gravity open: so one moves that rolls, by its scatter.
 
     Parameters
     ----------
@@ -242,6 +251,8 @@ def _turned(
         except ShotRefusedError:
             continue
         if measured.bounces == 0 and _seen_elsewhere(measured):
+            continue
+        if not _falls(measured):
             continue
         note = f"the film {TURNS[turns]}: rows and columns are those of the picture turned upright"
         if found is None or measured.bounces:

@@ -11,10 +11,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from analysis.campaign import analyse_campaign, analyse_job, read_campaign
+from analysis.campaign import analyse_campaign, read_campaign
 from analysis.imaging.views import View
 from analysis.shot import AnalysisOptions, MeasuredShot
-from benchmarks.pairs import KINDS, drawn_campaign
 from simulators.world import WorldDescription, write_campaign
 from simulators.world.description import Sphere, Tube
 from simulators.world.optics import Optics
@@ -97,20 +96,3 @@ def test_both_beads_are_measured_in_every_shot(markers: int, tmp_path: Path) -> 
         e, v_n = shot.impact.e, shot.impact.v_n
         assert abs(e.value + truth["v_n_after"] / truth["v_n"]) < min(4 * e.sigma, 0.02)
         assert abs(v_n.value - truth["v_n"]) < min(4 * v_n.sigma, 0.01 * abs(truth["v_n"]))
-
-
-@pytest.mark.long
-def test_beads_whose_markers_cannot_be_followed_are_measured_by_their_outlines(
-    tmp_path: Path,
-) -> None:
-    drawn_campaign(tmp_path, KINDS["steps of 8 radii, marked"], 6, 13)
-    truths = json.loads((tmp_path / "truth.json").read_text())["shots"]
-    # After these contacts a bead turns by 2 rad from frame to frame, or shows its markers once.
-    for k in (3, 5):
-        shot, _ = analyse_job(read_campaign(tmp_path).jobs[k], AnalysisOptions())
-        assert isinstance(shot, MeasuredShot), shot
-        assert shot.notes[0].startswith("measured by outlines alone, spins are open: by its mark")
-        truth = truths[k]
-        e, v_n = shot.impact.e, shot.impact.v_n
-        assert abs(e.value + truth["v_n_after"] / truth["v_n"]) < 3 * e.sigma
-        assert abs(v_n.value - truth["v_n"]) < min(3 * v_n.sigma, 0.02 * abs(truth["v_n"]))

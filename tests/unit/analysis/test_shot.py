@@ -2,7 +2,7 @@ import json
 import re
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 import pytest
@@ -11,6 +11,7 @@ from rendered import setup_of, shot
 
 from analysis import compiled
 from analysis.document import overlay_document, shot_document
+from analysis.errors import ShotRefusedError
 from analysis.imaging.edge.frame import EdgeSettings
 from analysis.imaging.files.stack import read_stack
 from analysis.setup import Setup
@@ -62,6 +63,24 @@ def test_a_rendered_shot_is_measured(measured: MeasuredShot, rendered: RenderedS
     assert rendered.times_s[measured.used_before[-1]] < contact
     assert rendered.times_s[measured.used_after[0]] > contact
     assert len(measured.used_before) + len(measured.used_after) >= 17
+
+
+@pytest.mark.parametrize("step", ["assignment", "motion", "contact"])
+def test_a_shot_that_markers_refuse_is_measured_by_its_outlines(
+    rendered: RenderedShot, step: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As of spheres that turn far from frame to frame, whose markers are taken for others."""
+
+    def lost(*_: object, **__: object) -> NoReturn:
+        raise ShotRefusedError(step, "markers are lost")
+
+    monkeypatch.setattr("analysis.photometric.method.measure_poses", lost)
+    result = found(analyse_shot(rendered.frames, rendered.times_s, SETUP))
+    assert "by its markers the shot is refused: markers are lost" in result.notes[0]
+    e, v_n, truth = result.impact.e, result.impact.v_n, rendered.truth
+    assert abs(e.value + truth["v_n_after"] / truth["v_n"]) < min(4.0 * e.sigma, 0.02)
+    assert abs(v_n.value - truth["v_n"]) < min(4.0 * v_n.sigma, 0.02 * abs(truth["v_n"]))
+    assert result.impact.v_s is None
 
 
 @pytest.mark.long

@@ -28,6 +28,8 @@ ENDLESSLY = 1e6
 """px, of a place whose flight, traced back through a drag that stops it at once, has no end."""
 MOST_OPEN = 2.0
 """Standard error of a logarithm with which a film says nothing."""
+RAN_OFF = 100.0
+"""Logarithm of a fall, px/s^2, at which a fit that has run off from its places is held."""
 CONTRADICTION = 3.5
 """Standard errors between the scales of diameter and gravity beyond which one of them is wrong."""
 
@@ -78,6 +80,7 @@ def described(problem: Problem, values: Floats, chosen: Chosen) -> Flights:
     told, told_sigma = _without_prior(
         fall, fall_sigma, problem.prior[path.FALL], problem.prior_sigma[path.FALL]
     )
+    told = min(max(told, -RAN_OFF), RAN_OFF)
     gravity = problem.ball.gravity
     apart = abs(told - math.log(gravity * problem.scale))
     allowed = CONTRADICTION * math.hypot(told_sigma, problem.scale_sigma)
