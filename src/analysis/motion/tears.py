@@ -228,6 +228,6 @@ def agreeing_turns(
         if share >= 1.0 - MOST_ASTRAY:
             return np.ones(count, dtype=np.bool_)
     sure = share >= least and best.sum() >= LEAST_TURNS_CHECKED
-    # Whole turns between those that agree are told by frames as close as any.
+    # Whole turns in between are known only where two that agree are as close as any two.
     sure = sure and np.diff(times_s[best]).min() < FARTHER * np.diff(times_s).min()
     return best if sure else np.zeros(count, dtype=np.bool_)
