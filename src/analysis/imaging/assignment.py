@@ -14,7 +14,7 @@ from analysis.imaging.discs import Disc, discs, pair_apart, vote, vote_radii
 from analysis.imaging.edge.frame import FilmEdges, filters
 from analysis.imaging.film_discs import FilmDiscs, film_discs
 from analysis.imaging.film_following import FilmCurves, Rules, follow_discs
-from analysis.imaging.flight_hypotheses import Falling, guide, meeting, mirrored
+from analysis.imaging.flight_hypotheses import Falling, guide, meeting, mirrored, within
 from analysis.imaging.outlines import Place
 from analysis.imaging.views import View, ViewGeometry
 
@@ -218,7 +218,7 @@ def _by_flights(
     for v, view in enumerate(views):
         if view is front:
             continue
-        shown = [[_within(own, view) for own in seen[radius]] for radius in votes]
+        shown = [[within(own, view.rows) for own in seen[radius]] for radius in votes]
         shift = view.origin[1] - front.origin[1]
         for i, flown in enumerate(mirrored(four, shown, votes, shift, falling)):
             for own in flown:
@@ -231,11 +231,6 @@ def _peaks(film: FilmEdges, k: int, radius: float) -> Floats:
     edges = film.whole(k)
     found = discs(vote(edges.points, radius, edges.shape), LEAST_RIM_SHARE, radius)
     return np.array([(disc.row, disc.column) for disc in found]).reshape(-1, 2)
-
-
-def _within(places: Floats, view: ViewGeometry) -> Floats:
-    rows = places[:, 0]
-    return places[(view.rows[0] <= rows) & (rows < view.rows[1])]
 
 
 def _first_column(discs: FilmDiscs, sphere: int) -> float:

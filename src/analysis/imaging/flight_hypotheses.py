@@ -139,6 +139,11 @@ Four = tuple[tuple[Flight, Flight], tuple[Flight, Flight]]
 """Of sphere a before and after the contact, and of b."""
 
 
+def within(places: Floats, rows: tuple[float, float]) -> Floats:
+    """Return the places in some rows, given the first and the one after the last."""
+    return places[(rows[0] <= places[:, 0]) & (places[:, 0] < rows[1])]
+
+
 def meeting(
     places: tuple[Places, Places],
     rows: tuple[float, float],
@@ -159,24 +164,25 @@ def meeting(
         Of a and b, pixels.
     """
     alike = places[0] is places[1]
-    front = [[own[(rows[0] <= own[:, 0]) & (own[:, 0] < rows[1])] for own in p] for p in places]
-    coming = _flights((front[0], front[1]), radii, falling, alike)
+    a, b = ([within(own, rows) for own in every] for every in places)
+    coming = _flights((a, b), radii, falling, alike)
     going = _flights(places, radii, falling, alike)
     best: tuple[int, Four] | None = None
-    for a, b in itertools.product(*(own[:MOST_FLIGHTS] for own in coming)):
-        if a is b or (alike and a.places[0, 1] > b.places[0, 1]):
+    for pair in itertools.product(*(own[:MOST_FLIGHTS] for own in coming)):
+        first, second = pair
+        if first is second or (alike and first.places[0, 1] > second.places[0, 1]):
             continue
-        touch = _touch(a, b, sum(radii), falling)
+        touch = _touch(first, second, sum(radii), falling)
         if touch is None:
             continue
         after = [
             [flight for flight in own if _leaves(flight, before, touch, radius, falling)]
-            for own, before, radius in zip(going, (a, b), radii, strict=True)
+            for own, before, radius in zip(going, pair, radii, strict=True)
         ]
         for c, d in itertools.product(*after):
-            count = sum(len(each.frames) for each in (a, b, c, d))
+            count = sum(len(each.frames) for each in (*pair, c, d))
             if c is not d and (best is None or count > best[0]):
-                best = count, ((a, c), (b, d))
+                best = count, ((first, c), (second, d))
     return None if best is None else best[1]
 
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from analysis.arrays import Floats, Grey
 from analysis.compiled import compiled
-from analysis.imaging.flight_hypotheses import Falling, guide, meeting, mirrored
+from analysis.imaging.flight_hypotheses import Falling, guide, meeting, mirrored, within
 from analysis.photometric.learn.appearance import Appearance
 from analysis.photometric.render.camera import Camera
 
@@ -237,7 +237,7 @@ def whereabouts_by_flights(
             centres[i, k, :2] = camera.at_pixels(0, (places[k, 0], places[k, 1]), 0.0)
     if len(camera.views) > 1:
         shift = float(camera.optics.origins[1, 1] - camera.optics.origins[0, 1])
-        shown = [[own[own[:, 0] < split] for own in every] for every in seen]
+        shown = [[within(own, (0, split)) for own in every] for every in seen]
         for i, flown in enumerate(mirrored(four, shown, radii, shift, falling)):
             for own in flown:
                 for k, place in zip(own.frames, own.places.tolist(), strict=True):

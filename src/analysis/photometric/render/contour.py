@@ -226,6 +226,7 @@ def add_point(
     filled = np.uint64(0)
     for j in range(first_c, last_c):
         share, bell = gaussian((where[1] - j) / sigma)
+        # Two loops, here and in `add_box`: the compiler unrolls the one whose length it knows.
         room[filled] = factors[0] * share
         for layer in range(1, LAYERS):
             room[filled + np.uint64(layer)] = factors[layer] * bell

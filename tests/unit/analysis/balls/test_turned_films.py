@@ -75,10 +75,11 @@ def test_a_ball_that_is_pushed_and_rolls_flies_in_no_film_that_lies_on_its_side(
 
 @pytest.mark.long
 @pytest.mark.parametrize("seed", [0, 3])
-def test_a_ball_that_rolls_over_a_bumpy_ground_flies_in_no_film_that_stands_upside_down(
-    seed: int,
-) -> None:
-    """Its places scatter by a pixel, and by that alone it would hop under gravity."""
+def test_hollows_as_shallow_as_the_scatter_of_places_put_no_film_upside_down(seed: int) -> None:
+    """A ball rests, then rolls through two hollows of 2 px, which upside down would be hops.
+
+    Its places scatter by a pixel, so that how they bend gives gravity to a fifth at best.
+    """
     rng, hop = np.random.default_rng(seed), np.arange(15)
     fallen = 0.5 * FALL / RATE**2 * hop * (15 - hop)
     rows = 200.0 + np.concatenate([np.zeros(40), fallen, 0.9 * fallen, np.zeros(4)])
