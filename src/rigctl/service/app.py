@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import re
 import threading
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -11,6 +10,7 @@ from importlib.metadata import version
 
 from fastapi import Depends, FastAPI, Request
 from fastapi.exceptions import RequestValidationError
+from fastapi.routing import iter_route_contexts
 from starlette.exceptions import HTTPException
 from starlette.responses import Response
 
@@ -177,8 +177,7 @@ def _of_framework(request: Request, error: HTTPException) -> Problem:
 def _allowed(app: FastAPI, path: str) -> list[str]:
     """Return all methods of a path; the framework names those of one route only."""
     methods: set[str] = set()
-    for template, operations in app.openapi()["paths"].items():
-        pattern = "[^/]+".join(map(re.escape, re.split(r"\{[^}]*\}", template)))
-        if re.fullmatch(pattern, path):
-            methods |= {method.upper() for method in operations}
+    for route in iter_route_contexts(app.routes):
+        if route.methods and route.path_regex.fullmatch(path):
+            methods |= route.methods
     return sorted(methods)

@@ -16,6 +16,8 @@ PATHS = [
     ("/api/v1/events", "GET"),
     ("/health/live", "GET"),
     ("/health/ready", "GET"),
+    ("/metrics", "GET"),
+    ("/openapi.json", "GET"),
 ]
 
 
