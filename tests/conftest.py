@@ -19,9 +19,12 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from hypothesis import settings
 
-from tests.replayed import replayed_migrations
+from tests.replayed import replayed_migrations, statements_written_once
 
-__all__ = ["replayed_migrations"]
+__all__ = ["replayed_migrations", "statements_written_once"]
+
+# What is loaded stays: to look for garbage while it is takes an eighth of that time.
+gc.disable()
 
 MEMORY, ROOM_BYTES = "/dev/shm", 8 << 30
 # Thousands of stores force what they write to disk, and wait for it half of their time. A whole run
@@ -41,6 +44,8 @@ settings.load_profile("compiling")
 
 NEW_MODULES = 50
 """Once a test has loaded so many, what is loaded now is put aside."""
+YOUNG = 10_000
+"""Look for garbage after so many new objects; the usual 700 are what one request makes."""
 
 _put_aside = 0
 
@@ -69,6 +74,8 @@ def _granted_s(item: pytest.Item) -> float:
 
 def pytest_collection_finish() -> None:
     _put_aside_what_is_loaded()
+    gc.set_threshold(YOUNG)
+    gc.enable()
 
 
 @pytest.hookimpl(trylast=True)

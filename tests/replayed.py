@@ -1,19 +1,21 @@
 """Empty catalogues made by repeating what the migrations have once written: no test waits for them.
 
 Tests open a thousand of them. Those of the migrations, and every program that a test starts, go
-through the migrations themselves.
+through the migrations themselves. Statements are written out in SQL once for all files.
 """
 
 from __future__ import annotations
 
 import sqlite3
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pytest
-from sqlalchemy import Connection, event
+from sqlalchemy import Connection, create_engine, event
 
-from rigctl.store.sql import migrations
+from rigctl.store.sql import database, migrations
 from rigctl.store.sql.database import Database
 from rigctl.store.sql.migrations.upgrade import upgrade
 
@@ -48,6 +50,31 @@ def written_on_a_server(connection: Connection, to: int) -> str:
     finally:
         event.remove(connection, "before_cursor_execute", note)
     return ";\n".join(statements)
+
+
+class WrittenOut(dict[Any, Any]):
+    """Statements in SQL, for whichever file: the library keeps them for each by itself.
+
+    Its keys begin with the dialect of a file, an object of its own; all of them are the same.
+    """
+
+    def get(self, key: tuple[Any, ...], default: Any = None) -> Any:
+        return super().get(key[1:], default)
+
+    def __setitem__(self, key: tuple[Any, ...], statement: Any) -> None:
+        super().__setitem__(key[1:], statement)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def statements_written_once() -> Iterator[None]:
+    """Let all SQLite files of this process share what their statements are in SQL.
+
+    A file that is opened asks some twenty things, of which each would take a millisecond to write.
+    """
+    shared = partial(create_engine, execution_options={"compiled_cache": WrittenOut()})
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(database, "create_engine", shared)
+        yield
 
 
 @pytest.fixture(scope="session", autouse=True)
