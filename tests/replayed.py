@@ -1,7 +1,7 @@
 """Empty catalogues made by repeating what the migrations have once written: no test waits for them.
 
 Tests open a thousand of them. Those of the migrations, and every program that a test starts, go
-through the migrations themselves. Statements are written out in SQL once for all files.
+through the migrations themselves. Statements are written out in SQL once for all.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 from sqlalchemy import Connection, create_engine, event
 
-from rigctl.store.sql import database, migrations
+from rigctl.store.sql import database, migrations, postgresql
 from rigctl.store.sql.database import Database
 from rigctl.store.sql.migrations.upgrade import upgrade
 
@@ -53,9 +53,9 @@ def written_on_a_server(connection: Connection, to: int) -> str:
 
 
 class WrittenOut(dict[Any, Any]):
-    """Statements in SQL, for whichever file: the library keeps them for each by itself.
+    """Statements in SQL, for whichever catalogue: the library keeps them for each by itself.
 
-    Its keys begin with the dialect of a file, an object of its own; all of them are the same.
+    Its keys begin with the dialect of one, an object of its own; those of a kind are all the same.
     """
 
     def get(self, key: tuple[Any, ...], default: Any = None) -> Any:
@@ -67,13 +67,14 @@ class WrittenOut(dict[Any, Any]):
 
 @pytest.fixture(scope="session", autouse=True)
 def statements_written_once() -> Iterator[None]:
-    """Let all SQLite files of this process share what their statements are in SQL.
+    """Let all catalogues of one kind share, in this process, what their statements are in SQL.
 
-    A file that is opened asks some twenty things, of which each would take a millisecond to write.
+    One that is opened asks some twenty things, of which each would take a millisecond to write.
     """
-    shared = partial(create_engine, execution_options={"compiled_cache": WrittenOut()})
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(database, "create_engine", shared)
+        for kind in (database, postgresql):
+            shared = partial(create_engine, execution_options={"compiled_cache": WrittenOut()})
+            patch.setattr(kind, "create_engine", shared)
         yield
 
 
