@@ -43,6 +43,8 @@ class Kind:
         kg/m^3, and the spread of its logarithm.
     stay, stay_sigma
         Duration of contacts over the ball's diameter, s/m, and its standard error.
+    share
+        How many balls of that size are of this make, for each one of `ANY`.
     """
 
     least_m: float
@@ -51,6 +53,7 @@ class Kind:
     spread: float
     stay: float
     stay_sigma: float
+    share: float = 1.0
 
 
 ANY = Kind(0.0, math.inf, UNKNOWN_DENSITY, UNKNOWN_SPREAD, 0.0, 0.025)
@@ -61,7 +64,7 @@ SQUASH = Kind(0.038, 0.042, 700.0, 0.04, 0.05, 0.045)
 """Contacts of a squash ball last 4 ms, those of a wooden ball of this size and density hardly."""
 TENNIS = Kind(0.062, 0.071, 370.0, 0.08, 0.07, 0.015)
 """By the rules 65.4 to 68.6 mm and 56 to 59.4 g; contacts of some 5 ms (Cross, 1999)."""
-INFLATED = Kind(0.15, math.inf, 80.0, 0.35, 0.055, 0.02)
+INFLATED = Kind(0.15, math.inf, 80.0, 0.35, 0.055, 0.02, share=9.0)
 """From a volleyball (56) to a handball (125); footballs and basketballs have 75 to 85. By mass and
 pressure a football's contacts last 9 ms, a basketball's and a volleyball's 12, a handball's 14."""
 KINDS = (ANY, TABLE_TENNIS, SQUASH, TENNIS, INFLATED)
@@ -91,10 +94,10 @@ def _kinds(ball: Ball) -> list[Kind]:
 def _share(ball: Ball, kind: Kind) -> float:
     """Return how likely the stated density, if any, is of balls of one kind; not normalised."""
     if ball.density is None:
-        return 1.0
+        return kind.share
     spread = math.hypot(kind.spread, STATED_SPREAD)
     apart = math.log(ball.density / kind.density) / spread
-    return math.exp(-0.5 * apart**2) / spread + LEAST_SHARE
+    return kind.share * math.exp(-0.5 * apart**2) / spread + LEAST_SHARE
 
 
 def told_drag(ball: Ball, flights: Flights, prior: tuple[float, float]) -> tuple[float, float]:
@@ -146,4 +149,5 @@ def _drag_of(ball: Ball, kind: Kind) -> tuple[float, float]:
 def _believed(ball: Ball, kind: Kind) -> Floats:
     """Return how likely each drag of the grid is of balls of one kind."""
     drag, spread = _drag_of(ball, kind)
-    return np.asarray(np.exp(-0.5 * (np.log(GRID / drag) / spread) ** 2) / spread) + LEAST_SHARE
+    likely = np.exp(-0.5 * (np.log(GRID / drag) / spread) ** 2)
+    return np.asarray(kind.share * likely / spread + LEAST_SHARE)

@@ -91,7 +91,7 @@ def test_flights_with_the_prior_say_what_they_say_with_all_kinds(
     for kind in kinds:
         middle = math.log(0.75 * AIR * DRAG / (kind.density * diameter))
         spread = math.hypot(kind.spread, 0.05 / DRAG)
-        likely += np.exp(-0.5 * ((logs - middle) / spread) ** 2) / spread
+        likely += kind.share * np.exp(-0.5 * ((logs - middle) / spread) ** 2) / spread
     likely *= np.exp(-misfit)
     mean = float(likely @ drags / likely.sum())
     error = math.sqrt(float(likely @ (drags - mean) ** 2 / likely.sum()))
@@ -136,6 +136,22 @@ def test_flights_of_a_light_ball_as_large_as_a_tennis_ball_believe_in_no_ball_of
     for _ in range(2):
         prior = told_drag(ball, cast("Flights", flights), prior)
         assert prior[0] > 0.75 * AIR * DRAG / (11340.0 * 0.066)
+
+
+@pytest.mark.parametrize("ball", ["football", "handball"])
+def test_a_large_ball_whose_flights_say_nothing_is_slowed_as_those_that_are_full_of_air(
+    ball: str,
+) -> None:
+    diameter, mass = BALLS[ball]
+    prior = Ball(diameter).drag_per_m()
+    covariance = np.zeros((path.DRAG + 1, path.DRAG + 1))
+    covariance[path.DRAG, path.DRAG] = math.expm1(prior[1]) ** 2
+    values = np.full(path.DRAG + 1, prior[0])
+    flights = SimpleNamespace(values=values, covariance=covariance, scale_px_per_m=1.0)
+    drag, spread = told_drag(Ball(diameter), cast("Flights", flights), prior)
+    true = 0.125 * math.pi * AIR * DRAG * diameter**2 / mass
+    assert abs(math.log(drag / true)) < 1.5 * spread
+    assert spread < 0.5
 
 
 def test_a_ball_of_a_size_of_no_special_kind_keeps_what_is_believed_of_any() -> None:
