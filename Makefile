@@ -16,8 +16,9 @@ demo: $(READY)
 test: $(READY) $(LOADED)
 	$(BIN)/python -m pytest -n 4 --dist worksteal
 
+# Of the files that hold long tests alone: each process loads all that it is given.
 test-long: $(READY) $(LOADED)
-	$(BIN)/python -m pytest -n 3 --dist worksteal -m long
+	$(BIN)/python -m pytest -n 3 --dist worksteal -m long $$(grep -rl --include='test_*.py' 'mark\.long' tests)
 
 # Drivers on a real kernel, in a virtual machine; skipped with the reason where it cannot be had.
 test-kernel: $(READY)

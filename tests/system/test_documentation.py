@@ -18,6 +18,7 @@ import cv2
 import pytest
 
 from tests.invoked import rigctl
+from tests.ready import ready
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -39,6 +40,8 @@ FENCE = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 PORT_AS_WRITTEN = "8486"
 ENDS_WITHIN_S = 120.0
 LASTS_AT_MOST_S = 480.0
+MANY = 3
+"""Commands of the model for which it is worth to have it loaded before."""
 
 needs_shell = pytest.mark.skipif(
     any(shutil.which(tool) is None for tool in ("bash", "curl")),
@@ -73,6 +76,9 @@ def perform(page: Path, folder: Path) -> str:
     (folder / "config").symlink_to(ROOT / "config")
     environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}
     environment.pop("RIGCTL_KEY", None)
+    asked = sum(block.text.count("rigctl model ") for block in blocks(page) if block.kind == RUN)
+    first = f"{ready()}:" if asked >= MANY else ""
+    at_once = {**environment, "PATH": first + environment["PATH"]}
     port, script, said = PORT_AS_WRITTEN, "", ""
     with ExitStack() as terminals:
         for block in blocks(page):
@@ -80,13 +86,13 @@ def perform(page: Path, folder: Path) -> str:
             if block.kind == RUN:
                 script += f"block={block.line}\n{text}"
             elif block.kind == BESIDE:
-                said += run(script, page, folder, environment)
+                said += run(script, page, folder, at_once)
                 script = ""
                 text = text.replace("rigctl serve", "rigctl serve --port 0")
                 first = terminals.enter_context(terminal(text, folder, environment))
                 if told := re.search(r"http://127\.0\.0\.1:(\d+)", first):
                     port = told[1]
-        return said + run(script, page, folder, environment)
+        return said + run(script, page, folder, at_once)
 
 
 def run(script: str, page: Path, folder: Path, environment: dict[str, str]) -> str:

@@ -23,6 +23,8 @@ pytestmark = [
     pytest.mark.filterwarnings("default"),
 ]
 
+METHODS = ("thesis", "photometric")
+
 
 def silent(_text: str, _share: float | None) -> None:
     """Say nothing."""
@@ -68,17 +70,16 @@ def results(store: Store, number: int) -> list[dict[str, object]]:
     return [json.loads(file.read_text(encoding="utf-8")) for file in files]
 
 
-@pytest.mark.parametrize("method", ["thesis", "photometric"])
-def test_a_cluster_gives_the_results_of_this_host(
-    store: Store, scheduler: str, method: str
-) -> None:
+def test_a_cluster_gives_the_results_of_this_host(store: Store, scheduler: str) -> None:
     known = store.shots(campaign="nylon")[0].results
     for address in (None, scheduler):
         with pool(address, workers=2) as workshop:
             assert workshop.workers() == 2
-            outcomes = list(reanalyse_campaign(store, "nylon", method, workshop, silent))
-        assert [outcome.failure for outcome in outcomes] == [None] * 4
-    here, there = results(store, known + 1), results(store, known + 2)
-    assert_alike(here, there)
-    # Outlines cannot tell how one of these spheres is turned.
-    assert sum("poses" in result for result in here) >= 3
+            for method in METHODS:
+                outcomes = list(reanalyse_campaign(store, "nylon", method, workshop, silent))
+                assert [outcome.failure for outcome in outcomes] == [None] * 4
+    for number, _ in enumerate(METHODS, start=known + 1):
+        here, there = results(store, number), results(store, number + len(METHODS))
+        assert_alike(here, there)
+        # Outlines cannot tell how one of these spheres is turned.
+        assert sum("poses" in result for result in here) >= 3
