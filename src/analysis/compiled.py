@@ -173,7 +173,8 @@ def compiled(function: F) -> F:
 
     Sums may be reordered, and a function may be built into those that call it: between processors,
     and between processes, results agree to rounding, not to the bit. A division by zero is
-    infinite, as in arrays: checks would keep loops from vector instructions.
+    infinite, as in arrays: checks would keep loops from vector instructions. While it runs other
+    threads do: its arrays must be the caller's own.
 
     Raises
     ------
@@ -184,7 +185,7 @@ def compiled(function: F) -> F:
     """
     # Numba's type hints lack these options. Entry from C is off: no address is taken.
     decorate = cast("Any", numba.njit)(
-        cache=True, error_model="numpy", fastmath=SUMS, no_cfunc_wrapper=True
+        cache=True, error_model="numpy", fastmath=SUMS, no_cfunc_wrapper=True, nogil=True
     )
     return _kept(decorate, function, plain=True)
 

@@ -18,6 +18,8 @@ from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecu
 from contextlib import suppress
 from typing import IO, Any, ParamSpec, TypeVar
 
+from analysis import threads
+
 P = ParamSpec("P")
 R = TypeVar("R")
 
@@ -50,7 +52,9 @@ class Workers(Executor):
 
     def __init__(self, count: int, environment: Mapping[str, str] | None = None) -> None:
         # Beside other processes more threads wait for each other, at full load.
-        self._environment = {"OPENBLAS_NUM_THREADS": "1", **os.environ, **(environment or {})}
+        own = str(max(1, threads.count() // count))
+        few = {"OPENBLAS_NUM_THREADS": "1", **os.environ, threads.VARIABLE: own}
+        self._environment = few | dict(environment or {})
         self._threads = ThreadPoolExecutor(count, thread_name_prefix="worker")
         self._own = threading.local()
         self._lock = threading.Lock()

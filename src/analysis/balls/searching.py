@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from analysis import threads
 from analysis.arrays import Floats
 from analysis.balls.carried import CarriedError, OtherFallError, TurningError
 from analysis.balls.discs.disc import Disc
@@ -19,7 +20,14 @@ from analysis.balls.flight.known import Ball
 from analysis.balls.found import APART_RADII, MUCH_MORE, Search, another, best_of, frames_of
 from analysis.balls.gaps import Gap
 from analysis.balls.seen.arcs import Chain, Sightings
-from analysis.balls.seen.background import Brightness, background, evened, some_pixels
+from analysis.balls.seen.background import (
+    Brightness,
+    background,
+    changes,
+    evened,
+    noise_of,
+    some_pixels,
+)
 from analysis.balls.seen.ends import lengthened
 from analysis.balls.seen.free_fall import STEADY_RADII, shown_bend
 from analysis.balls.seen.left_out import refuse_thinned
@@ -31,7 +39,6 @@ from analysis.balls.seen.looks import (
     families,
     find_discs_that_move,
     looks_of,
-    noise_of,
     weight,
 )
 from analysis.balls.seen.repeats import refuse_brought_to_rate, repeated
@@ -84,7 +91,8 @@ def search(film: Film, times_s: Floats, ball: Ball, *, complete: bool = False) -
     noise = noise_of(shown, ground)
     refuse_combed(samples, ground, noise)
     shake_shown = head.steady or refuse_shaken(samples)
-    turning = turning_ball(shown, ground, noise, radii_px(ground))
+    apart = changes(samples, ground, noise)
+    turning = turning_ball(apart.values(), ground, radii_px(ground))
     if turning is not None:
         raise TurningError(turning, ground, times_s)
     found: list[tuple[int, Disc]] = []
@@ -93,7 +101,7 @@ def search(film: Film, times_s: Floats, ball: Ball, *, complete: bool = False) -
     otherwise: OtherFallError | None = None
     best: Search | None = None
     for radii, share in _size_ranges(ground):
-        found += find_discs_that_move(samples, ground, noise, radii)
+        found += find_discs_that_move(samples, ground, apart, radii)
         groups = families(found)[:MOST_FAMILIES]
         least = share * max(map(weight, groups), default=0.0)
         sought = [looks_of(g, samples, ground, head) for g in groups if weight(g) >= least]
@@ -226,13 +234,17 @@ def _seen(
     about = [
         None if film.may_be_held else Surroundings.new(looks.radius_px, samples) for looks in sought
     ]
-    for number, picture in enumerate(film.pictures()):
+
+    def looked_at(picture: Picture) -> tuple[Picture, float, list[Floats]]:
         values, gain = brightness.of(picture)
+        return picture, gain, [sight.find(picture, values).places for sight in sights]
+
+    for number, (picture, gain, found) in enumerate(threads.each(looked_at, film.pictures())):
         gains.append(gain)
-        for sight, own, kept in zip(sights, places, about, strict=True):
-            own.append(sight.find(picture, values).places)
+        for one, own, kept in zip(found, places, about, strict=True):
+            own.append(one)
             if kept is not None:
-                kept.keep(number, picture, own[-1])
+                kept.keep(number, picture, one)
     return list(zip(places, about, strict=True)), np.array(gains)
 
 
@@ -342,7 +354,8 @@ def rings(pictures: Mapping[int, Picture]) -> dict[int, Disc]:
     samples = dict(pictures)
     ground = background(list(samples.values()))
     noise = noise_of(list(samples.values()), ground)
-    sizes = families(find_discs_that_move(samples, ground, noise, radii_px(ground)))
+    apart = changes(samples, ground, noise)
+    sizes = families(find_discs_that_move(samples, ground, apart, radii_px(ground)))
     if not sizes:
         return {}
     # Of each frame the surest disc comes first.

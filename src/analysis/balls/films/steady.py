@@ -10,6 +10,7 @@ from typing import cast
 import cv2
 import numpy as np
 
+from analysis import threads
 from analysis.arrays import Floats
 from analysis.balls.films.film import Film, Picture, spread_frames
 from analysis.balls.films.moves import Reference
@@ -42,7 +43,8 @@ def refuse_shaken(samples: dict[int, Picture]) -> bool:
     reference = Reference(samples[frames[len(frames) // 2]])
     if not reference.shows:
         return False
-    found = {n: reference.moved(samples[n], np.zeros(4)) for n in frames}
+    moved = threads.each(lambda n: reference.moved(samples[n], np.zeros(4)), frames)
+    found = dict(zip(frames, moved, strict=True))
     moves = {n: move for n, move in found.items() if move is not None and move.sure}
     if len(moves) < LEAST_SEEN * len(frames):
         return False

@@ -1,26 +1,79 @@
-"""What stands still in a film, the middle of each pixel's values, and how bright each frame is."""
+"""What stands still in a film, which pixels of a frame differ, and how bright each frame is."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis import threads
 from analysis.balls.films.film import FilmHead, Picture
 from analysis.balls.films.tone import light
+from analysis.compiled import compiled
 
 Singles = NDArray[np.float32]
 
-BLOCK = 8192
+BLOCK = 16384
 """Pixels whose values of all frames fit into a processor's cache."""
+SEEN_LINES = 240
+"""Rows and columns whose pixels show the noise of all."""
+CHANGED_SIGMAS = 6.0
+"""In noises of a pixel: what differs by more has changed."""
 
 
 def background(samples: list[Picture]) -> Picture:
     """Return the median of some frames, of their shape and kind."""
     shape = samples[0].shape
     return cast("Picture", _medians([each.reshape(-1) for each in samples]).reshape(shape))
+
+
+def noise_of(samples: Sequence[Picture], ground: Picture) -> float:
+    """Return the standard deviation of a pixel that stands still, one grey level at least."""
+    # A part of the pixels tells as well.
+    step = max(1, min(ground.shape[:2]) // SEEN_LINES)
+    middle = ground[::step, ::step].astype(np.float32)
+    spreads = [
+        float(np.median(np.abs(sample[::step, ::step].astype(np.float32) - middle)))
+        for sample in samples[::4]
+    ]
+    return max(1.0, 1.4826 * float(np.median(spreads)))
+
+
+def changed(picture: Picture, ground: Picture, noise: float) -> NDArray[np.bool_]:
+    """Return which pixels differ from what stands still in any channel, shape (rows, columns).
+
+    Parameters
+    ----------
+    noise
+        Standard deviation of a pixel that stands still.
+    """
+    found = np.empty(picture.shape[:2], dtype=np.bool_)
+    most = int(CHANGED_SIGMAS * noise)
+    _differ(np.ascontiguousarray(picture), np.ascontiguousarray(ground), most, found)
+    return found
+
+
+def changes(
+    samples: Mapping[int, Picture], ground: Picture, noise: float
+) -> dict[int, NDArray[np.bool_]]:
+    """Return `changed` of each of some frames."""
+    each = threads.each(lambda picture: changed(picture, ground, noise), samples.values())
+    return dict(zip(samples, each, strict=True))
+
+
+@compiled
+def _differ(
+    picture: NDArray[Any], ground: NDArray[Any], most: int, found: NDArray[np.bool_]
+) -> None:
+    """Fill in which pixels differ by more than so many grey levels in any channel."""
+    rows, columns, channels = picture.shape
+    for i in range(rows):
+        for j in range(columns):
+            found[i, j] = False
+            for c in range(channels):
+                found[i, j] |= abs(np.int32(picture[i, j, c]) - np.int32(ground[i, j, c])) > most
 
 
 def background_without(samples: Sequence[Singles], hidden: Sequence[NDArray[np.bool_]]) -> Singles:
@@ -59,10 +112,7 @@ def _seen_medians(values: Singles, hidden: NDArray[np.bool_]) -> Singles:
 def _medians(values: list[Picture]) -> Picture:
     """Return the upper median of each column of some lines."""
     middle = len(values) // 2
-    found = np.empty_like(values[0])
-    for start, lines in _sorted(values, middle):
-        found[start : start + lines.shape[1]] = lines[middle]
-    return found
+    return np.concatenate([lines[middle] for _, lines in _sorted(values, middle)])
 
 
 def _sorted(
@@ -78,28 +128,30 @@ def _sorted(
         The one that is wanted: the others may then be out of order.
     """
     count, width = len(values), len(values[0])
-    network = _needed(_network(count), set(range(count)) if line is None else {line})
+    pairs = _needed(_network(count), set(range(count)) if line is None else {line})
+    network = np.array(pairs, dtype=np.intp).reshape(-1, 2)
     for start in range(0, width, BLOCK):
         lines = np.stack([each[start : start + BLOCK] for each in values])
-        for a, b, low, high in network:
-            if low and high:
-                least = np.minimum(lines[a], lines[b])
-                np.maximum(lines[a], lines[b], out=lines[b])
-                lines[a] = least
-            elif low:
-                np.minimum(lines[a], lines[b], out=lines[a])
-            else:
-                np.maximum(lines[a], lines[b], out=lines[b])
+        _compare(lines, network)
         yield start, lines
 
 
-def _needed(network: list[tuple[int, int]], wanted: set[int]) -> list[tuple[int, int, bool, bool]]:
-    """Return the pairs on which wanted lines depend, and whether on their least and their most."""
+@compiled
+def _compare(lines: NDArray[Any], network: NDArray[np.intp]) -> None:
+    """Put the lesser value of each pair of lines, column by column, into the first of them."""
+    for k in range(len(network)):
+        first, second = lines[network[k, 0]], lines[network[k, 1]]
+        for j in range(lines.shape[1]):
+            a, b = first[j], second[j]
+            first[j], second[j] = min(a, b), max(a, b)
+
+
+def _needed(network: list[tuple[int, int]], wanted: set[int]) -> list[tuple[int, int]]:
+    """Return the pairs on which wanted lines depend."""
     kept = []
     for a, b in reversed(network):
-        low, high = a in wanted, b in wanted
-        if low or high:
-            kept.append((a, b, low, high))
+        if a in wanted or b in wanted:
+            kept.append((a, b))
             wanted = wanted | {a, b}
     return kept[::-1]
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import reduce
-from typing import cast
+from itertools import chain
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis import threads
 from analysis.arrays import Floats
 from analysis.balls.discs.disc import Disc
 from analysis.balls.discs.finding import find_balls
@@ -29,8 +29,6 @@ MOST_SEARCHED, LEAST_SEARCHED = 16, 8
 """Frames in which discs are sought before the ball is known, those with the least motion first."""
 MOST_SOUGHT_PX = 3e6
 """Of what moves in them: what is enough once so many frames at least were searched."""
-SEEN_LINES = 240
-CHANGED_SIGMAS = 6.0
 LEAST_CHANGED = 20
 """Pixels of a part of the picture that has changed."""
 ALIKE = 0.12
@@ -114,47 +112,42 @@ class Looks:
         return replace(self, radius_sigma_px=math.hypot(self.radius_sigma_px, sigma))
 
 
-def noise_of(samples: Sequence[Picture], ground: Picture) -> float:
-    """Return the standard deviation of a pixel that stands still, one grey level at least."""
-    # A part of the pixels tells as well.
-    step = max(1, min(ground.shape[:2]) // SEEN_LINES)
-    middle = ground[::step, ::step].astype(np.float32)
-    spreads = [
-        float(np.median(np.abs(sample[::step, ::step].astype(np.float32) - middle)))
-        for sample in samples[::4]
-    ]
-    return max(1.0, 1.4826 * float(np.median(spreads)))
-
-
 def find_discs_that_move(
     samples: dict[int, Picture],
     ground: Picture,
-    noise: float,
+    changed: dict[int, NDArray[np.bool_]],
     radii_px: tuple[float, float],
 ) -> list[tuple[int, Disc]]:
-    """Return discs of what differs from what stands still, with their frames."""
+    """Return discs of what differs from what stands still, with their frames.
+
+    Parameters
+    ----------
+    changed
+        Which pixels of each frame do, shape (rows, columns).
+    """
     low, high = radii_px
-    found: list[tuple[int, Disc]] = []
     every = -(-len(samples) // MOST_SEARCHED)
     sought = []
     for number, picture in list(samples.items())[::every]:
-        windows = _changed(changes_of(picture, ground) > CHANGED_SIGMAS * noise, low)
+        windows = _windows(changed[number], low)
         if windows:
             sought.append((sum(map(_area, windows)), number, picture, windows))
     sought.sort(key=lambda each: each[:2])
     spent = np.cumsum([area for area, *_ in sought])
     enough = max(LEAST_SEARCHED, int((spent < MOST_SOUGHT_PX).sum()))
-    for _, number, picture, windows in sought[:enough]:
-        for window in windows:
-            own = picture[window].astype(np.float32) - ground[window].astype(np.float32)
-            largest = min(high, 0.6 * max(own.shape[:2]))
-            if largest <= low:
-                continue
-            top, left = window[0].start, window[1].start
-            for disc in find_balls(own, (low, largest), LEAST_ALARMS, blotched=False):
-                moved = replace(disc, row=disc.row + top, column=disc.column + left)
-                found.append((number, moved))
-    return found
+
+    def discs_in(place: tuple[int, Picture, tuple[slice, slice]]) -> list[tuple[int, Disc]]:
+        number, picture, window = place
+        own = picture[window].astype(np.float32) - ground[window].astype(np.float32)
+        largest = min(high, 0.6 * max(own.shape[:2]))
+        if largest <= low:
+            return []
+        top, left = window[0].start, window[1].start
+        discs = find_balls(own, (low, largest), LEAST_ALARMS, blotched=False)
+        return [(number, replace(d, row=d.row + top, column=d.column + left)) for d in discs]
+
+    places = [(n, picture, w) for _, n, picture, windows in sought[:enough] for w in windows]
+    return list(chain.from_iterable(threads.each(discs_in, places)))
 
 
 def _area(window: tuple[slice, slice]) -> int:
@@ -162,14 +155,7 @@ def _area(window: tuple[slice, slice]) -> int:
     return int((rows.stop - rows.start) * (columns.stop - columns.start))
 
 
-def changes_of(picture: Picture, ground: Picture) -> Picture:
-    """Return by how much each pixel differs, in the channel that does most; (rows, columns)."""
-    apart = np.atleast_3d(cv2.absdiff(picture, ground))
-    # Channel by channel: numpy takes the largest of three neighbours ten times as slowly.
-    return cast("Picture", reduce(np.maximum, cv2.split(apart)))
-
-
-def _changed(changed: NDArray[np.bool_], low: float) -> list[tuple[slice, slice]]:
+def _windows(changed: NDArray[np.bool_], low: float) -> list[tuple[slice, slice]]:
     """Return windows about what has changed, parts that lie near one another together."""
     factor = max(1, int(low))
     rows, columns = changed.shape

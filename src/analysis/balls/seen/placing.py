@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis import threads
 from analysis.arrays import Floats
 from analysis.balls.seen.misfits import (
     RADII,
@@ -289,12 +290,12 @@ class Placer:
 
         A fit is what `fit_place` returns, and what is left in the whole window.
         """
-        return [
-            (window, self._fit(window, pose), pose)
-            for window, pose in self._poses(windows, motion, row_time_s)
-        ]
+        posed = self._poses(windows, motion, row_time_s)
+        fits = threads.each(self._fit, posed)
+        return [(window, fit, pose) for (window, pose), fit in zip(posed, fits, strict=True)]
 
-    def _fit(self, window: Window, pose: Floats) -> Floats:
+    def _fit(self, posed: tuple[Window, Floats]) -> Floats:
+        window, pose = posed
         if self.patched:
             return fit_outline(window.pixels, pose, self.chance)
         fit = fit_place(window.pixels, pose, self.table)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +12,6 @@ from analysis.balls.discs.disc import Disc, within
 from analysis.balls.discs.finding import DOUBTFUL, at_rim, find_balls
 from analysis.balls.discs.gradient import SIGMA_PX
 from analysis.balls.films.film import Picture
-from analysis.balls.seen.looks import CHANGED_SIGMAS, changes_of
 
 Ints = NDArray[np.intp]
 Flags = NDArray[np.bool_]
@@ -33,23 +32,21 @@ OVER_RADII, OVER_PX = 1.05, 2.0
 
 
 def turning_ball(
-    samples: Sequence[Picture], ground: Picture, noise: float, radii_px: tuple[float, float]
+    changed: Collection[Flags], ground: Picture, radii_px: tuple[float, float]
 ) -> Disc | None:
     """Return the disc on which nearly all changes of a film lie; None where there is none.
 
     Parameters
     ----------
-    samples
-        Frames of the whole film.
+    changed
+        Which pixels of frames of the whole film differ from what stands still.
     ground
-        Their middle.
-    noise
-        Standard deviation of a pixel that stands still.
+        What stands still, shape (rows, columns, channels).
     """
     counts = np.zeros(ground.shape[:2], dtype=np.intp)
-    for sample in samples:
-        counts += changes_of(sample, ground) > CHANGED_SIGMAS * noise
-    staying = counts >= max(2.0, STAYING * len(samples))
+    for one in changed:
+        counts += one
+    staying = counts >= max(2.0, STAYING * len(changed))
     changes = int(counts.sum())
     if changes < LEAST_CHANGES or counts[staying].sum() < LEAST_STAYING * changes:
         return None

@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 from analysis.arrays import Floats
 from analysis.balls.films.film import Picture
 from analysis.balls.seen.arcs import Chain
-from analysis.balls.seen.background import background_without
-from analysis.balls.seen.looks import CHANGED_SIGMAS, changes_of
+from analysis.balls.seen.background import background_without, changed
 
 LEAST_UNFLOWN = 0.1
 """Of the frames that are looked at: where the ball does not fly in so many, it may hide a place in
@@ -68,7 +67,7 @@ def uncovered(
     ]
     bare = ground.copy()
     bare[box] = np.where(told[..., None], np.rint(np.stack(channels, axis=2)), ground[box])
-    apart = changes_of(bare[box], ground[box]) > CHANGED_SIGMAS * noise
+    apart = changed(bare[box], ground[box], noise)
     if np.count_nonzero(apart) < LEAST_OF_DISC * np.pi * radius_px**2:
         return None
     return bare
