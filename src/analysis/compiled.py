@@ -24,7 +24,6 @@ from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
-from llvmlite import binding
 from numba import types
 from numba.core import caching
 
@@ -147,9 +146,6 @@ class OfUser(caching.UserWideCacheLocator):
 LOCATORS = ",".join(f"{__name__}.{kind.__name__}" for kind in (BesideSource, OfUser))
 
 
-LOADING_KNOWN = "0.68."
-"""Versions of Numba whose loading of cached functions is known here; with others all is read."""
-
 SUMS = {"reassoc", "contract", "arcp", "nsz"}
 F = TypeVar("F", bound=Callable[..., object])
 CompilationListener = Callable[[int, int], None]
@@ -211,7 +207,6 @@ def _kept(decorate: Callable[[F], Any], function: F, *, plain: bool = False) -> 
         dispatcher = decorate(function)
     finally:
         config.CACHE_LOCATOR_CLASSES = before
-    _built_in_later(dispatcher, plain=plain)
     compile_here = dispatcher.compile
     name = f"{function.__module__}.{function.__name__}"
     _functions.add(name)
@@ -240,46 +235,6 @@ def _kept(decorate: Callable[[F], Any], function: F, *, plain: bool = False) -> 
 
     dispatcher.compile = compile_alone
     return cast("F", dispatcher)
-
-
-def _built_in_later(dispatcher: Any, *, plain: bool) -> None:  # noqa: ANN401 - Numba has no types
-    """Read of a cached function its machine code alone until another is compiled that calls it.
-
-    The form in which it is built into others makes up most of the time that its loading takes.
-    """
-    if not numba.__version__.startswith(LOADING_KNOWN):
-        return
-    implementation = dispatcher._cache._impl
-    rebuild_whole = implementation.rebuild
-
-    def rebuild(context: Any, payload: tuple[Any, ...]) -> Any:  # noqa: ANN401
-        (name, kind, content), *rest = payload
-        if kind != "object":
-            return rebuild_whole(context, payload)
-        code, bitcode = content
-        engine = context.codegen()._engine
-        if plain:
-            # What Python calls is looked up among the names that were read.
-            engine._defined_symbols.add(rest[0].llvm_cpython_wrapper_name)
-        result = rebuild_whole(context, ((name, kind, (code, _nothing())), *rest))
-        library = result.library
-
-        def module_for_linking() -> Any:  # noqa: ANN401
-            del library._get_module_for_linking
-            library._shared_module = binding.parse_bitcode(bitcode)
-            engine._load_defined_symbols(library._shared_module)
-            return library._shared_module
-
-        library._get_module_for_linking = module_for_linking
-        return result
-
-    implementation.rebuild = rebuild
-
-
-@cache
-def _nothing() -> bytes:
-    """Return an empty module in the form in which functions are built into others."""
-    return bytes(binding.parse_assembly("").as_bitcode())
 
 
 def arrays_of(kinds: Iterable[object]) -> Iterator[Any]:
