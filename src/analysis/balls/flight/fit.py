@@ -120,7 +120,7 @@ def _fit(
         fitted = None if start.fall is not None else _settle(problem, again=again)
         if fitted is not None and again and _ran_off(fitted):
             problem.begin = first
-            fitted = min(fitted, _settle(problem, again=False), key=_left)
+            fitted = min(fitted, _settle(problem, again=False), key=rms_in_errors)
         # A fit that a wrong fall holds far from the places shows no contradiction.
         lost = fitted is not None and _astray(fitted)
         if fitted is None or (lost and other_falls) or (fitted.contradiction and not lost):
@@ -164,7 +164,7 @@ def _by_fall(problem: Problem, *, again: bool) -> Flights:
             break
         problem.begin = begin.copy()
         problem.begin[path.FALL] += math.log(share)
-        fitted = min(fitted, _settle(problem, again=False), key=_left)
+        fitted = min(fitted, _settle(problem, again=False), key=rms_in_errors)
     if fitted.contradiction:
         return fitted
     problem.prior_sigma[path.FALL] = stated
@@ -183,10 +183,10 @@ def _ran_off(fitted: Flights) -> bool:
     What crude places of an earlier pass had it believe holds it there. Where times are wrong places
     lie off as far, with lenses that there are: what then fits better is believed in vain.
     """
-    return bool(fitted.values[path.ASLANT] < ENDLESS) and _left(fitted) > MUCH_LEFT
+    return bool(fitted.values[path.ASLANT] < ENDLESS) and rms_in_errors(fitted) > MUCH_LEFT
 
 
-def _left(fitted: Flights) -> float:
+def rms_in_errors(fitted: Flights) -> float:
     """Return the root mean square distance of places from flights, in errors; far ones count less.
 
     Of all places: a wrong fit may leave out more of them.

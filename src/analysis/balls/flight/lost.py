@@ -17,7 +17,7 @@ import numpy as np
 
 from analysis.arrays import Floats
 from analysis.balls.flight import path
-from analysis.balls.flight.fit import fit_flights
+from analysis.balls.flight.fit import fit_flights, rms_in_errors
 from analysis.balls.flight.flights import LEAST_PLACES, Flights, Observed, Start
 from analysis.balls.flight.known import Known
 from analysis.balls.gaps import MOST_LOST, Gap, period_of
@@ -55,6 +55,8 @@ LEAST_KEPT = 0.5
 one of other bounces."""
 MOST_COST = 0.02
 """Of what mended times gain at places that flights left out: by how much the rest may lie worse."""
+EXPLAINED = 1.2
+"""Root mean square distance of all places from flights, in their stated errors, that is noise."""
 NEAR_BY, MOST_CHANCE = 3.0, 0.02
 """Errors within which mended times bring a place to its flight, and the chance, over how far they
 lay off, that all do that others left out."""
@@ -137,6 +139,8 @@ def find_gap(observed: Observed, start: Start, known: Known, flights: Flights) -
         better = explains and (fitted.bounces, gain) > most
         if better and _holds(fitted, gap, period):
             most, best = (fitted.bounces, gain), _placed(fitted, gap, period)
+            if rms_in_errors(fitted) < EXPLAINED:
+                break
     return Found(best, unsure)
 
 

@@ -3,14 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
+from analysis.balls.flight import lost
 from analysis.balls.flight.fit import fit_flights
+from analysis.balls.flight.flights import Flights, Observed
 from analysis.balls.flight.lost import find_gap, unsure_e
 from analysis.balls.gaps import Gap
-from tests.unit.analysis.balls.parabolas import BOUNCES, RATE, SCALE, known, parabolas, start
+from tests.unit.analysis.balls.parabolas import (
+    BOUNCES,
+    NOISE,
+    RATE,
+    SCALE,
+    known,
+    parabolas,
+    start,
+)
 
 
 @pytest.mark.parametrize(
@@ -36,6 +47,31 @@ def test_frames_that_are_missing_are_found_whatever_diameter_is_stated(
     flights = fit_flights(lacking, begun, ball)
     assert flights is not None
     assert find_gap(lacking, begun, ball, flights).gap == Gap(first, count)
+
+
+def test_once_all_places_lie_on_flights_no_other_gap_is_tried(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    whole = parabolas(np.random.default_rng(10))
+    kept = np.delete(np.arange(len(whole.frames)), [40])
+    times = whole.times_s[: len(kept)]
+    lacking = replace(whole.of(kept), frames=np.arange(len(kept)), times_s=times)
+    begun = start()
+    begun = replace(begun, times_s=begun.times_s - 1 / RATE)
+    flights = fit_flights(lacking, begun, known())
+    assert flights is not None
+    tried: list[float] = []
+
+    def counted(observed: Observed, *others: Any, **more: Any) -> Flights | None:
+        found = fit_flights(observed, *others, **more)
+        assert found is not None
+        tried.append(float(np.abs(found.residuals).max()))
+        return found
+
+    monkeypatch.setattr(lost, "fit_flights", counted)
+    assert find_gap(lacking, begun, known(), flights).gap == Gap(40, 1)
+    *others, last = tried
+    assert last < 5 * NOISE < min(others, default=1.0)
 
 
 def test_no_frames_are_missing_from_a_film_that_is_whole() -> None:
