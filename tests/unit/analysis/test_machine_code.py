@@ -42,7 +42,7 @@ def package(tmp_path: Path) -> Path:
 
 
 READY = """
-import json, os, sys
+import json, os, sys, traceback
 import numba
 numba.njit(lambda x: 2.0 * x)(1.0)
 for line in sys.stdin:
@@ -57,6 +57,8 @@ for line in sys.stdin:
             os.dup2(write, 1)
             try:
                 exec(program, {})
+            except Exception:
+                traceback.print_exc(file=sys.stdout)
             finally:
                 sys.stdout.flush()
                 os._exit(0)

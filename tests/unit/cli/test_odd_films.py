@@ -353,14 +353,14 @@ def test_a_film_of_noise_is_not_taken_for_an_interlaced_one(tmp_path: Path, caps
     "changes",
     [
         pytest.param(
-            lambda t: t + 0.2 * np.maximum(t - 68 / RATE, 0.0), id="a slower rate after a bounce"
+            lambda t: t + np.maximum(t - 76 / RATE, 0.0), id="half the rate after a bounce"
         ),
         *(
             pytest.param(change, id=name, marks=pytest.mark.long)
             for name, change in {
+                "a slower rate after a bounce": lambda t: t + 0.2 * np.maximum(t - 68 / RATE, 0.0),
                 "half the rate before a bounce": lambda t: t + np.maximum(t - 44 / RATE, 0.0),
                 "half the rate at a bounce": lambda t: t + np.maximum(t - 84 / RATE, 0.0),
-                "half the rate after a bounce": lambda t: t + np.maximum(t - 76 / RATE, 0.0),
                 "twice the rate after a bounce": lambda t: t - 0.5 * np.maximum(t - 108 / RATE, 0),
                 "a rate that drifts": lambda t: t + 0.01 * np.sin(6.0 * t),
             }.items()
