@@ -7,6 +7,7 @@ import socket
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from typing import Any
 
 import fastapi.routing
@@ -105,10 +106,8 @@ def test_a_stop_overtakes_any_number_of_callers_that_wait_for_arming(
 ) -> None:
     rig.holds_arm = threading.Event()
     with ThreadPoolExecutor(60) as pool:
-        waiting = [
-            pool.submit(httpx.post, f"{address}/api/v1/rig/arm", json=SETTINGS, headers=HEADERS)
-            for _ in range(60)
-        ]
+        order = partial(httpx.post, json=SETTINGS, headers=HEADERS, timeout=WAIT_S)
+        waiting = [pool.submit(order, f"{address}/api/v1/rig/arm") for _ in range(60)]
         assert rig.arming.wait(WAIT_S)
         stopped = http.post("/api/v1/rig/estop", json={"reason": "now"})
         assert stopped.status_code == 200
