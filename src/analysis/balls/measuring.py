@@ -49,6 +49,9 @@ LEAST_CODEC_E = 5e-4
 """Standard error of e that a codec leaves beside that of the radius: it moves rims by amounts that
 follow the ball's way, which no scatter about flights tells (python -m benchmarks.balls)."""
 SPEED_STEP_S = 1e-4
+NEAREST, MOST_LARGER = 0.1, 0.2
+"""Of a ball's distance, nearer than which no flight brings it, and of its radius, by which it is
+seen larger at most: numbers of a first fit may run beyond."""
 MOST_GAPS = 6
 """Places at which frames are missing; a film with more has no rate."""
 
@@ -367,9 +370,12 @@ def _fitted_motion(flights: Flights) -> Motion:
     placed = flights.observed
     times = flights.observed.times_s + flights.row_delay(flights.observed.places)
     here, ahead, behind = (
-        flights.at(times + step, flights.arcs)[:, :2] for step in (0.0, SPEED_STEP_S, -SPEED_STEP_S)
+        flights.at(times + step, flights.arcs) for step in (0.0, SPEED_STEP_S, -SPEED_STEP_S)
     )
-    return Motion(placed.frames, here, (ahead - behind) / (2 * SPEED_STEP_S))
+    near = 1.0 / np.maximum(here[:, 2], NEAREST)
+    larger = np.clip(near / np.median(near) - 1.0, -MOST_LARGER, MOST_LARGER)
+    speeds = (ahead - behind)[:, :2] / (2 * SPEED_STEP_S)
+    return Motion(placed.frames, here[:, :2], speeds, larger)
 
 
 def coefficient(measured: MeasuredBall, bounce: int) -> tuple[float, float]:

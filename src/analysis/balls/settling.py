@@ -30,7 +30,9 @@ def observed_of(placed: Placed, times_s: Floats, of_radius: ByRadius | None) -> 
     if of_radius is None:
         return replace(plain, bare=True)
     own = of_radius.of(placed.frames)
-    return replace(plain, leans=own.shifts, sizes=own.sizes)
+    # As if all had been fitted with one radius: what another does to places is in the flights' fit.
+    places = placed.places - own.shifts * placed.larger[:, None]
+    return replace(plain, places=places, leans=own.shifts, sizes=own.sizes)
 
 
 def last_change(coefficients: Sequence[Floats]) -> Floats:

@@ -108,6 +108,7 @@ def by_radius(
         # Patches at the rim give each frame a lean of its own, and hide how large the ball is.
         return ByRadius(placed.frames, shifts, np.full((len(shifts), 2), np.nan))
     sizes = _sizes(narrow, placed, wide, placer.blur_px / radius)
+    sizes[:, 0] += placed.larger
     return ByRadius(placed.frames, _smooth(shifts), sizes)
 
 

@@ -25,6 +25,7 @@ from analysis.balls.seen.photometry import (
     LEAST_COVER,
     LIGHT,
     MAP_SIDE,
+    RADIUS,
     RESIDUAL,
     TERMS,
     WEIGHT,
@@ -68,6 +69,8 @@ class Placed:
     left
         Sum of squares of what it leaves in all of its window, shape (N,): about another radius the
         ball covers other pixels of the same window.
+    larger
+        By how much the ball was taken to be larger than its radius, relative, shape (N,).
     """
 
     frames: Ints
@@ -75,10 +78,11 @@ class Placed:
     sigmas: Floats
     misfits: Floats
     left: Floats
+    larger: Floats
 
     def of(self, chosen: NDArray[np.bool_]) -> Placed:
         """Return some of them."""
-        parts = (self.places, self.sigmas, self.misfits, self.left)
+        parts = (self.places, self.sigmas, self.misfits, self.left, self.larger)
         return Placed(self.frames[chosen], *(each[chosen] for each in parts))
 
 
@@ -229,8 +233,8 @@ class Placer:
 
     def place(self, windows: Sequence[Window], motion: Motion, row_time_s: float = 0.0) -> Placed:
         """Fit the ball in each window; frames in which it is not where it is expected drop out."""
-        frames, places, sigmas, misfits, left = [], [], [], [], []
-        for window, fit, _ in self._fits(windows, motion, row_time_s):
+        frames, places, sigmas, misfits, left, larger = [], [], [], [], [], []
+        for window, fit, pose in self._fits(windows, motion, row_time_s):
             if fit[5] <= 0 or window.factor * fit[6] > FURTHEST_RADII * self.radius_px:
                 continue
             frames.append(window.frame)
@@ -238,12 +242,14 @@ class Placer:
             sigmas.append(window.factor * fit[2:4])
             misfits.append(fit[4])
             left.append(fit[LEFT])
+            larger.append(window.factor * pose[RADIUS] / self.radius_px - 1.0)
         return Placed(
             np.array(frames, dtype=np.intp),
             np.array(places).reshape(-1, 2),
             np.maximum(np.array(sigmas).reshape(-1, 2), 1e-4),
             np.array(misfits, dtype=np.float64),
             np.array(left, dtype=np.float64),
+            np.array(larger, dtype=np.float64),
         )
 
     def learn_light(
@@ -310,7 +316,8 @@ class Placer:
         for window in windows:
             k = index[window.frame]
             later = float(np.clip(row_time_s * motion.speeds[k, 0], -0.5, 0.5))
-            shape = [self.radius_px / window.factor, self.blur_px, 1.0 / (1.0 - later)]
+            grown = 1.0 if motion.larger is None else 1.0 + float(motion.larger[k])
+            shape = [grown * self.radius_px / window.factor, self.blur_px, 1.0 / (1.0 - later)]
             way = self.exposure_s / window.factor * motion.speeds[k]
             found.append((window, np.array([*window.inward(motion.places[k]), *shape, *way])))
         return found

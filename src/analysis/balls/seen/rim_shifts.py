@@ -130,7 +130,8 @@ def place_turning(film: Film, disc: Disc, ground: Picture) -> Placed | None:
     # What blotches at the rim do to a place lasts for many frames; its size is the film's scatter.
     sigmas = np.maximum(errors, places.std(axis=0))
     frames, misfits = np.arange(len(places), dtype=np.intp), every[4].mean(axis=1)
-    return Placed(frames, places, sigmas, misfits, misfits * rim.pixels.shape[1])
+    left, none = misfits * rim.pixels.shape[1], np.zeros(len(frames))
+    return Placed(frames, places, sigmas, misfits, left, none)
 
 
 def _of_channel(picture: Picture, head: FilmHead, weights: Floats) -> Floats:

@@ -62,11 +62,20 @@ class Window:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Motion:
-    """Where a ball is expected and how fast it moves, px and px/s (row, column), shape (N, 2)."""
+    """Where a ball is expected, how fast it moves, and how large it is seen there.
+
+    Attributes
+    ----------
+    frames, places, speeds
+        Shapes (N,), (N, 2), (N, 2): px and px/s, in (row, column).
+    larger
+        By how much it is seen larger than its radius, relative, shape (N,); None: not known.
+    """
 
     frames: Ints
     places: Floats
     speeds: Floats
+    larger: Floats | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -38,7 +38,7 @@ def film_of(
     bounces = 0 if flights is None else flights.bounces
     return MeasuredBall(
         search=search,
-        placed=Placed(flown, places, np.ones_like(places), ones[: len(flown)], ones[: len(flown)]),
+        placed=Placed(flown, places, np.ones_like(places), *3 * (ones[: len(flown)],)),
         scatter=np.ones_like(places),
         times_s=times,
         exposure_s=0.0,

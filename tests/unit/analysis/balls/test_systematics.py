@@ -62,7 +62,7 @@ def test_places_at_the_rims_owe_little_to_a_radius_that_moves_them_all_alike() -
     flights = fit_flights(leaning, start(), known())
     assert flights is not None
     nothing = np.zeros(len(seen.frames))
-    placed = Placed(seen.frames, seen.places, seen.sigmas, nothing, nothing)
+    placed = Placed(seen.frames, seen.places, seen.sigmas, nothing, nothing, nothing)
     ball = looks(seen.places[:9])
     at_rims = RimsOff(np.zeros(2), np.array([0.03, 0.03]))
     free = shifts(ball, (placed, placed, placed), flights, None)
