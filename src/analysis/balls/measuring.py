@@ -19,6 +19,7 @@ from analysis.balls.flight.lost import contradicted, find_gap, unsure_e
 from analysis.balls.found import Search
 from analysis.balls.gaps import Gap, mended
 from analysis.balls.hands import free, let_go
+from analysis.balls.looking import Looked
 from analysis.balls.searching import search
 from analysis.balls.seen.arcs import Chain
 from analysis.balls.seen.looks import Looks
@@ -153,9 +154,10 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
     """
     gaps: list[Gap] = []
     complete, before = False, None
+    looked = Looked(film)
     while True:
         try:
-            measured, fits = _measured(film, times_s, ball, exposure_s, complete=complete)
+            measured, fits = _measured(looked, times_s, ball, exposure_s, complete=complete)
         except ShotRefusedError:
             if before is None:
                 raise
@@ -191,13 +193,13 @@ def _gap(measured: MeasuredBall, fits: Sequence[Fit]) -> tuple[Gap | None, Float
 
 
 def _measured(
-    film: Film, times_s: Floats, ball: Ball, exposure_s: float | None, *, complete: bool
+    looked: Looked, times_s: Floats, ball: Ball, exposure_s: float | None, *, complete: bool
 ) -> tuple[MeasuredBall, list[Fit]]:
     """Return what a film shows at these times, and what its flights were fitted to each time."""
-    found = search(film, times_s, ball, complete=complete)
+    found = search(looked, times_s, ball, complete=complete)
     stated = ball, exposure_s
     every = [
-        _at_surface(film, replace(found, chain=part.chain), stated, part)
+        _at_surface(looked.film, replace(found, chain=part.chain), stated, part)
         for part in parts(found.chain, found.fall, ball.plate_lean)
     ]
     # The first surface off which a bounce is measured; of the others those that have one.

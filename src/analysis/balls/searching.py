@@ -7,53 +7,26 @@ from dataclasses import replace
 
 import numpy as np
 
-from analysis import threads
 from analysis.arrays import Floats
 from analysis.balls.carried import CarriedError, OtherFallError, TurningError
 from analysis.balls.discs.disc import Disc
 from analysis.balls.discs.finding import find_balls
 from analysis.balls.falling import flights_of, other_fall, stated_fall, without_jumps
-from analysis.balls.films.fields import refuse_combed
-from analysis.balls.films.film import Film, FilmHead, Picture, spread_frames
-from analysis.balls.films.steady import refuse_shaken
+from analysis.balls.films.film import Picture
 from analysis.balls.flight.known import Ball
 from analysis.balls.found import APART_RADII, MUCH_MORE, Search, another, best_of, frames_of
 from analysis.balls.gaps import Gap
+from analysis.balls.looking import Looked, Sighted, radii_px
 from analysis.balls.seen.arcs import Chain, Sightings
-from analysis.balls.seen.background import (
-    Brightness,
-    background,
-    changes,
-    evened,
-    noise_of,
-    some_pixels,
-)
+from analysis.balls.seen.background import background, changes, noise_of
 from analysis.balls.seen.ends import lengthened
 from analysis.balls.seen.free_fall import STEADY_RADII, shown_bend
 from analysis.balls.seen.left_out import refuse_thinned
-from analysis.balls.seen.looks import (
-    LEAST_RADIUS_PX,
-    LEAST_SHARE,
-    MOST_SHARE,
-    Looks,
-    families,
-    find_discs_that_move,
-    looks_of,
-    weight,
-)
+from analysis.balls.seen.looks import Looks, families, find_discs_that_move, looks_of
 from analysis.balls.seen.repeats import refuse_brought_to_rate, repeated
-from analysis.balls.seen.sighting import Sight
-from analysis.balls.seen.surroundings import Surroundings
-from analysis.balls.seen.turning import turning_ball
 from analysis.balls.seen.uncovered import uncovered
-from analysis.errors import ShotRefusedError, counted
+from analysis.errors import ShotRefusedError
 
-MOST_FAMILIES = 4
-SURE_SHARE = 0.1
-"""Of the surest family's weight: others are looked at only where no sure one flies."""
-COARSE, LARGE_PICTURE = 4.0, 400_000
-"""Times the smallest radius: smaller discs of larger pictures than this (px) are sought last."""
-LEAST_FRAMES = 6
 LEAST_BALL_FRAMES = 6
 NEAR_RADII = 0.5
 """From a flight to a disc that is the same thing."""
@@ -62,11 +35,13 @@ AS_STRONG, HARDLY_SEEN = 0.7, 0.4
 mean response in its flights: what is none."""
 
 
-def search(film: Film, times_s: Floats, ball: Ball, *, complete: bool = False) -> Search:
+def search(looked: Looked, times_s: Floats, ball: Ball, *, complete: bool = False) -> Search:
     """Find the ball whose flights explain most.
 
     Parameters
     ----------
+    looked
+        The film.
     times_s
         Of the frames.
     complete
@@ -75,37 +50,19 @@ def search(film: Film, times_s: Floats, ball: Ball, *, complete: bool = False) -
     Raises
     ------
     ShotRefusedError
-        Too few frames, nothing round that moves, or nothing of it flies freely; `TurningError` of a
-        ball that only turns; `InterlacedError` where two pictures are in one; `ShakenError` where
-        the camera moves; `BroughtToRateError` where pictures are repeated in a rhythm;
-        `ThinnedError` where they are left out in one.
+        Nothing round that moves, or nothing of it flies freely; `TurningError` of a ball that only
+        turns; `BroughtToRateError` where pictures are repeated in a rhythm; `ThinnedError` where
+        they are left out in one.
     """
-    if film.head.frames < LEAST_FRAMES:
-        raise ShotRefusedError(
-            "frames", f"{counted(film.head.frames, 'frame')}; {LEAST_FRAMES} are needed at least"
-        )
-    head = film.head
-    read = film.chosen(spread_frames(head.frames, head.frame_bytes))
-    samples, ground = _evened(read, head)
-    shown = list(samples.values())
-    noise = noise_of(shown, ground)
-    refuse_combed(samples, ground, noise)
-    shake_shown = head.steady or refuse_shaken(samples)
-    apart = changes(samples, ground, noise)
-    turning = turning_ball(apart.values(), ground, radii_px(ground))
-    if turning is not None:
-        raise TurningError(turning, ground, times_s)
-    found: list[tuple[int, Disc]] = []
+    ground = looked.ground
+    if looked.turning is not None:
+        raise TurningError(looked.turning, ground, times_s)
     seen: list[Search] = []
     carried: list[CarriedError] = []
     otherwise: OtherFallError | None = None
     best: Search | None = None
-    for radii, share in _size_ranges(ground):
-        found += find_discs_that_move(samples, ground, apart, radii)
-        groups = families(found)[:MOST_FAMILIES]
-        least = share * max(map(weight, groups), default=0.0)
-        sought = [looks_of(g, samples, ground, head) for g in groups if weight(g) >= least]
-        for one in _searches(film, times_s, ball, sought, (read, ground), complete=complete):
+    for balls in looked.balls():
+        for one in _searches(looked, times_s, ball, balls, complete=complete):
             if isinstance(one, OtherFallError):
                 otherwise = max(otherwise or one, one, key=lambda each: each.fall.frames)
                 continue
@@ -122,73 +79,49 @@ def search(film: Film, times_s: Floats, ball: Ball, *, complete: bool = False) -
         raise otherwise
     if best is not None:
         others = tuple((one.chain, True) for one in seen if another(one, best))
-        best = _uncovered(best, (film, times_s, ball), (read, samples, ground), complete=complete)
-        return replace(best, others=(*best.others, *others), shake_shown=shake_shown)
+        best = _uncovered(best, looked, (times_s, ball), complete=complete)
+        return replace(best, others=(*best.others, *others), shake_shown=looked.shake_shown)
     if carried:
         carried[0].others = tuple(carried[1:])
         raise carried[0]
     raise ShotRefusedError(
         "ball",
-        f"nothing round moves in this film: {len(samples)} of its {head.frames} frames "
-        f"were looked at{_at_rest(ground)}; check that the ball is in the picture and the "
-        "camera stands still",
+        f"nothing round moves in this film: {len(looked.samples)} of its "
+        f"{looked.film.head.frames} frames were looked at{_at_rest(ground)}; check that the ball "
+        "is in the picture and the camera stands still",
     )
 
 
 def _uncovered(
-    best: Search,
-    asked: tuple[Film, Floats, Ball],
-    shown: tuple[dict[int, Picture], dict[int, Picture], Picture],
-    *,
-    complete: bool,
+    best: Search, looked: Looked, asked: tuple[Floats, Ball], *, complete: bool
 ) -> Search:
     """Return a ball's flights once more, where it hid what stands still in most of the frames."""
-    film, _, _ = asked
-    read, samples, ground = shown
+    samples, ground = looked.samples, looked.ground
     about = best.looks.radius_px, best.chain, best.unexplained
-    bare = uncovered(samples, ground, noise_of(list(samples.values()), ground), about)
+    bare = uncovered(samples, ground, looked.noise, about)
     if bare is None:
         return best
-    looks = looks_of(best.looks.seen, samples, bare, film.head)
-    (again,) = _searches(*asked, [looks], (read, bare), complete=complete)
+    looks = looks_of(best.looks.seen, samples, bare, looked.film.head)
+    balls = [looked.before(looks, bare)]
+    (again,) = _searches(looked, *asked, balls, complete=complete)
     if not isinstance(again, Search) or len(again.chain.times_s) < len(best.chain.times_s):
         return best
     return replace(again, others=best.others)
 
 
-def _size_ranges(ground: Picture) -> list[tuple[tuple[float, float], float]]:
-    """Return radii to search one after another, and the least weight of a family over the largest.
-
-    Most of the work in a large picture is for the smallest discs: they are sought where larger ones
-    do not fly.
-    """
-    low, high = radii_px(ground)
-    middle = COARSE * low
-    if ground.shape[0] * ground.shape[1] < LARGE_PICTURE or middle > high:
-        return [((low, high), 0.0)]
-    return [((middle, high), SURE_SHARE), ((low, middle), 0.0)]
-
-
 def _searches(
-    film: Film,
-    times_s: Floats,
-    ball: Ball,
-    sought: Sequence[Looks],
-    samples: tuple[dict[int, Picture], Picture],
-    *,
-    complete: bool,
+    looked: Looked, times_s: Floats, ball: Ball, balls: Sequence[Sighted], *, complete: bool
 ) -> Iterator[Search | CarriedError]:
     """Give the flights of each of some balls, or why it has none."""
-    if not sought:
-        return
-    all_seen, gains = _seen(film, sought, *samples)
-    for looks, (places, about) in zip(sought, all_seen, strict=True):
+    head = looked.film.head
+    for one in balls:
+        looks, places = one.looks, list(one.places)
         refuse_brought_to_rate(places, times_s)
         refuse_thinned(places, times_s)
         twice = repeated(places)
         for frame in twice:
             places[frame] = places[frame][:0]
-        seen = Sightings(times_s, places, (film.head.height, film.head.width))
+        seen = Sightings(times_s, places, (head.height, head.width))
         stated = stated_fall(ball, looks)
         gaps: tuple[Gap, ...] = ()
         flights = flights_of(seen, looks, stated)
@@ -196,7 +129,7 @@ def _searches(
             seen, gaps, flights = without_jumps(seen, looks, stated, flights)
         other = other_fall(seen, looks, stated, flights)
         if other is not None:
-            yield OtherFallError(other, ball.diameter_m, looks, seen, film.head.per_frame)
+            yield OtherFallError(other, ball.diameter_m, looks, seen, head.per_frame)
             continue
         if flights is None:
             said = f"{_way(seen, looks, stated)}; no flight of four frames is in this film"
@@ -208,50 +141,8 @@ def _searches(
         beyond = _unexplained(seen, linked, chain, looks.radius_px)
         odd = bool(fall[0] != stated[0])
         known = seen.times_s, gaps
-        yield Search(looks, chain, fall, others, beyond, twice, gains, about, odd, *known)
-
-
-def _evened(samples: dict[int, Picture], head: FilmHead) -> tuple[dict[int, Picture], Picture]:
-    """Return frames as bright as one another, and what stands still in them."""
-    some = {number: some_pixels(picture)[..., None] for number, picture in samples.items()}
-    brightness = Brightness(background(list(some.values())), head)
-    values = {number: brightness.of(picture)[0] for number, picture in some.items()}
-    even = {number: evened(picture, values[number]) for number, picture in samples.items()}
-    return even, background(list(even.values()))
-
-
-def _seen(
-    film: Film, sought: Sequence[Looks], samples: dict[int, Picture], ground: Picture
-) -> tuple[list[tuple[list[Floats], Surroundings | None]], Floats]:
-    """Return where each of some balls may be in each frame, and the gain of each.
-
-    The film is read once for all.
-    """
-    sights = [Sight(looks, ground) for looks in sought]
-    brightness = Brightness(ground, film.head)
-    places: list[list[Floats]] = [[] for _ in sought]
-    gains = []
-    about = [
-        None if film.may_be_held else Surroundings.new(looks.radius_px, samples) for looks in sought
-    ]
-
-    def looked_at(picture: Picture) -> tuple[Picture, float, list[Floats]]:
-        values, gain = brightness.of(picture)
-        return picture, gain, [sight.find(picture, values).places for sight in sights]
-
-    for number, (picture, gain, found) in enumerate(threads.each(looked_at, film.pictures())):
-        gains.append(gain)
-        for one, own, kept in zip(found, places, about, strict=True):
-            own.append(one)
-            if kept is not None:
-                kept.keep(number, picture, one)
-    return list(zip(places, about, strict=True)), np.array(gains)
-
-
-def radii_px(ground: Picture) -> tuple[float, float]:
-    """Return the least and the largest radius of a ball in a picture of this size."""
-    side = min(ground.shape[:2])
-    return max(LEAST_RADIUS_PX, LEAST_SHARE * side), MOST_SHARE * side
+        light = one.gains, one.about
+        yield Search(looks, chain, fall, others, beyond, twice, *light, odd, *known)
 
 
 def _at_rest(ground: Picture) -> str:

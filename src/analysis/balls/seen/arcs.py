@@ -11,6 +11,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,7 @@ from analysis.arrays import Floats
 from analysis.balls.seen.growing import LEAST_FRAMES, MEMORY, MOST_MISSES, course, next_arc
 
 Ints = NDArray[np.intp]
+Real = TypeVar("Real", float, Floats)
 Meeting = tuple[float, Floats]
 """When and where the courses of two arcs meet in a bounce, s and px."""
 
@@ -218,13 +220,17 @@ class Chain:
 def chains(arcs: Sequence[Arc], radius_px: float, fall: Floats) -> list[Chain]:
     """Return chains of arcs that meet in bounces, the strongest first; each arc is in one."""
     meetings = _meetings(arcs, radius_px, fall)
-    rest, found = list(range(len(arcs))), []
+    meets = {j for each in meetings for j in each} | {k for k, each in enumerate(meetings) if each}
+    best = [[k] for k in range(len(arcs)) if k not in meets]
+    rest = sorted(meets)
     while rest:
-        best = _strongest(arcs, rest, meetings)
-        rest = [k for k in rest if k not in best]
-        met = [meetings[pair] for pair in pairwise(best)]
+        best.append(_strongest(arcs, rest, meetings))
+        rest = [k for k in rest if k not in best[-1]]
+    found = []
+    for numbers in best:
+        met = [meetings[k][j] for j, k in pairwise(numbers)]
         chain = Chain(
-            tuple(arcs[k] for k in best),
+            tuple(arcs[k] for k in numbers),
             np.array([time for time, _ in met]),
             np.array([place for _, place in met]).reshape(-1, 2),
         )
@@ -233,14 +239,14 @@ def chains(arcs: Sequence[Arc], radius_px: float, fall: Floats) -> list[Chain]:
 
 
 def _strongest(
-    arcs: Sequence[Arc], rest: Sequence[int], meetings: Mapping[tuple[int, int], Meeting]
+    arcs: Sequence[Arc], rest: Sequence[int], meetings: Sequence[Mapping[int, Meeting]]
 ) -> list[int]:
     """Return the numbers of the arcs of the strongest chain of those that are left."""
     ends: dict[int, tuple[float, int | None]] = {}
     for k in rest:
         best: tuple[float, int | None] = arcs[k].strength, None
-        for j in ends:
-            if (j, k) in meetings and ends[j][0] + arcs[k].strength > best[0]:
+        for j in meetings[k]:
+            if j in ends and ends[j][0] + arcs[k].strength > best[0]:
                 best = ends[j][0] + arcs[k].strength, j
         ends[k] = best
     last: int | None = max(ends, key=lambda k: ends[k][0])
@@ -251,17 +257,25 @@ def _strongest(
     return chosen[::-1]
 
 
-def _meetings(
-    arcs: Sequence[Arc], radius_px: float, fall: Floats
-) -> dict[tuple[int, int], Meeting]:
-    """Return when and where arcs meet, by their numbers; those that do not are left out."""
+def _meetings(arcs: Sequence[Arc], radius_px: float, fall: Floats) -> list[dict[int, Meeting]]:
+    """Return when and where each arc meets earlier ones, by their numbers; not those it does not.
+
+    Only what is near in time is looked at closely.
+    """
     every = [_Followed.new(arc, radius_px, fall) for arc in arcs]
-    found = {}
+    rows = [(e.arc.frames[-1], e.arc.times_s[-1], e.step_s, e.over) for e in every]
+    last, ends_s, steps_s, over = np.array(rows, dtype=np.float64).reshape(-1, 4).T
+    found: list[dict[int, Meeting]] = []
     for k, later in enumerate(every):
-        for j, earlier in enumerate(every[:k]):
-            meeting = _meeting(earlier, later, radius_px, fall)
+        margins = _margin_s(steps_s[:k], np.maximum(over[:k], later.over))
+        follows = later.arc.frames[0] > last[:k] - LEAST_FRAMES
+        near = follows & (later.arc.times_s[0] - ends_s[:k] <= 4 * margins)
+        each = {}
+        for j in np.flatnonzero(near).tolist():
+            meeting = _meeting(every[j], later, radius_px, fall)
             if meeting is not None:
-                found[j, k] = meeting
+                each[j] = meeting
+        found.append(each)
     return found
 
 
@@ -329,12 +343,15 @@ class _Followed:
         return cls(arc, float(np.median(np.diff(arc.times_s))), last, over)
 
 
+def _margin_s(step_s: Real, over: Real) -> Real:
+    """Return how far beyond its sightings an arc may meet another, s."""
+    return (MOST_MISSES + 1.5 + over) * step_s
+
+
 def _meeting(before: _Followed, after: _Followed, radius_px: float, fall: Floats) -> Meeting | None:
     """Return when and where two courses meet in a bounce; None where they do not."""
     a, b = before.arc, after.arc
-    margin = (MOST_MISSES + 1.5 + max(before.over, after.over)) * before.step_s
-    if b.frames[0] <= a.frames[-1] - LEAST_FRAMES or b.times_s[0] - a.times_s[-1] > 4 * margin:
-        return None
+    margin = _margin_s(before.step_s, float(max(before.over, after.over)))
     at, place_a, velocity_a = a.course_of(slice(-before.last, -before.over or None), fall)
     bt, place_b, velocity_b = b.course_of(slice(after.over, after.last), fall)
     # Both at the time zero of the first: with the same fall their distance is linear in time.

@@ -56,6 +56,30 @@ def test_a_thrown_ball_that_the_air_slows_has_one_flight() -> None:
     assert len(joined([thrown(0, 14, 0.0), turned], RADIUS, FALL, shape)) == 2
 
 
+def test_two_pieces_are_one_where_the_parabola_nearest_to_both_says_so() -> None:
+    """Asked of a library: of pairs that bend otherwise, turn aside, or jump by some pixels."""
+    rng = np.random.default_rng(8)
+    shape, told, most = (4000, 4000), [], 0.35 * RADIUS + 1.0
+    for _ in range(120):
+        missed = int(rng.integers(1, 4))
+        first, second = np.arange(12.0), np.arange(12.0) + 11.0 + missed
+        gone = np.concatenate([first, second]) / RATE
+        bends = FALL[0] * rng.uniform(0.2, 2.5), FALL[0] * rng.normal(0.0, 0.15)
+        places = np.stack([2000.0 + 300.0 * gone + 0.5 * bend * gone**2 for bend in bends], axis=1)
+        places[12:] += rng.normal(0.0, 4.0, 2)
+        pieces = [
+            Arc(own.astype(np.intp), own / RATE, places[part], 12.0)
+            for own, part in ((first, slice(0, 12)), (second, slice(12, 24)))
+        ]
+        terms = np.polyfit(gone, places, 2)
+        off = np.hypot(*(places - np.vander(gone, 3) @ terms).T).max()
+        bend, aside = 2.0 * terms[0] / FALL[0]
+        one = off <= most and abs(aside) <= 0.15 and 0.5 < bend < 2.0
+        told.append(one)
+        assert (len(joined(pieces, RADIUS, FALL, shape)) == 1) == one
+    assert 20 < sum(told) < 100
+
+
 def test_flights_before_and_after_a_bounce_stay_apart() -> None:
     before = fallen(100.0, np.arange(40.0))
     after = before[-1] - fallen(0.0, np.arange(1.0, 30.0))[::-1]

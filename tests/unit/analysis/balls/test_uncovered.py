@@ -8,6 +8,7 @@ import numpy as np
 
 from analysis.balls.films.film import HeldFilm
 from analysis.balls.flight.known import Ball
+from analysis.balls.looking import Looked
 from analysis.balls.searching import search
 from tests.unit.cli.falling_ball import DIAMETER_MM, RATE, bouncing, picture
 
@@ -19,7 +20,7 @@ def test_a_ball_that_rests_in_a_film_is_seen_in_place_in_its_low_flights() -> No
     frames = 420
     rows = np.array(bouncing(frames, 0.5))
     film = HeldFilm(Path("drawn"), np.array([picture(row) for row in rows]))
-    found = search(film, np.arange(frames) / RATE, Ball(1e-3 * DIAMETER_MM))
+    found = search(Looked(film), np.arange(frames) / RATE, Ball(1e-3 * DIAMETER_MM))
     second, third = found.chain.times_s[:2] * RATE
     low = [arc for arc in found.chain.arcs if second < arc.frames.mean() < third + 40]
     assert len(found.chain.arcs) >= 3
