@@ -30,6 +30,13 @@ LEAST_SHRUNK = 2.5
 """Of a sparse picture; less would let fine patterns through."""
 SHADE = 0.3
 """Standard deviation of a ground's light in shadows that come and go, over its light."""
+COARSE_RADIUS_PX, COARSER = 6.0, 2.0
+"""Balls of this size and more are sought in pixels twice as large first, where no pixels are put
+together otherwise: a quarter of the picture and of the disc, and then about what was seen alone."""
+FIRST_RESPONSE, FIRST_MOST = 0.5 * LEAST_RESPONSE, 2 * MOST
+"""Of what is seen so: less, and more of it, than is kept."""
+HILL_RADII = 0.7
+"""From the place of a response to one that is another's."""
 TINY = 1e-6
 BESIDE, RING = 0.5, (1.2, 1.6)
 """What a pixel beside the ball counts of one within it, and how far that reaches, radii."""
@@ -54,10 +61,13 @@ class Sight:
         Radius and light.
     ground
         What stands still, shape (rows, columns, channels).
+    factor
+        Rows and columns that are one at least.
     """
 
-    def __init__(self, looks: Looks, ground: Picture) -> None:
-        factor = max(1.0, looks.radius_px / SOUGHT_RADIUS_PX)
+    def __init__(self, looks: Looks, ground: Picture, factor: float = 1.0) -> None:
+        small = factor == 1.0 and looks.radius_px >= COARSE_RADIUS_PX
+        factor = max(factor, looks.radius_px / SOUGHT_RADIUS_PX)
         # Where many pixels make one, every second row and column tells as well.
         self._stride = max(1, int(factor / LEAST_SHRUNK))
         # Whole numbers of pixels are put together many times as fast as parts of them.
@@ -67,6 +77,7 @@ class Sight:
         self._ground = self._small(ground)
         self._radius = looks.radius_px / self._factor
         self._disc, self._about = _disc_and_ring(self._radius)
+        self._reach = math.ceil((1.0 + HILL_RADII) * self._radius) + self._about.shape[0] // 2
         self._ball = self._light(looks)
         damped = 1.0 / (1.0 + SHADE**2 * (self._ground.astype(np.float64) ** 2).sum(axis=2))
         expected = np.maximum(self._energy(damped), TINY)
@@ -74,8 +85,11 @@ class Sight:
         self._damped, self._expected = damped.astype(np.float32), expected.astype(np.float32)
         # A ball that differs from its ground by its own errors is half seen.
         self._unseen = (self._disc.sum() * noise + TINY).astype(np.float32)
-        least = LEAST_RESPONSE**2 * (expected + self._unseen) ** 2 / expected
-        self._least = least.astype(np.float32)
+        self._first = None
+        if small and self._factor == 1.0:
+            self._first = Sight(looks, ground, COARSER)
+        bound = (expected + self._unseen) ** 2 / expected
+        self._bound = bound.astype(np.float32)
 
     def _small(self, picture: Picture) -> Singles:
         small: NDArray[np.generic] = picture
@@ -127,16 +141,29 @@ class Sight:
         brighter
             The picture's values over those of what stands still.
         """
+        if self._first is None:
+            return Sightings(self._peaks(picture, brighter, LEAST_RESPONSE, MOST)[0])
+        first, pixels = self._first._peaks(picture, brighter, FIRST_RESPONSE, FIRST_MOST)
+        if COARSER**2 * pixels < len(first) * (2 * self._reach + 1) ** 2:
+            return Sightings(self._peaks(picture, brighter, LEAST_RESPONSE, MOST)[0])
+        found: dict[tuple[int, int], Floats] = {}
+        for place in first:
+            found |= self._near(picture, brighter, place)
+        places = sorted(found.values(), key=lambda each: -float(each[2]))[:MOST]
+        return Sightings(np.array(places, dtype=np.float64).reshape(-1, 3))
+
+    def _peaks(
+        self, picture: Picture, brighter: float, least: float, most: int
+    ) -> tuple[Floats, int]:
+        """Return row, column and response where it is largest, shape (N, 3), of how many pixels."""
         change = self._small(picture) / np.float32(brighter) - self._ground
         along = _product(change, self._ground)
-        strength = _product(change, change) - SHADE**2 * self._damped * along**2
-        box = self._changed(strength)
+        strength = self._strength(change, along, self._damped)
+        box = self._changed(strength, least)
         response = self._response(change[box], along[box], strength[box], box)
-        width = 2 * round(0.7 * self._radius) + 1
-        top = cv2.dilate(response, np.ones((width, width), np.uint8))
-        rows, columns = np.nonzero((response >= top) & (response >= LEAST_RESPONSE))
+        rows, columns = np.nonzero(self._highest(response) & (response >= least))
         found = response[rows, columns]
-        order = np.argsort(-found)[:MOST]
+        order = np.argsort(-found)[:most]
         places = np.empty((len(order), 3))
         for k, index in enumerate(order.tolist()):
             row, column = _peak(response, int(rows[index]), int(columns[index]))
@@ -145,7 +172,41 @@ class Sight:
                 (column + box[1].start + 0.5) * self._factor - 0.5 * self._stride,
                 found[index],
             )
-        return Sightings(places)
+        return places, response.size
+
+    def _near(
+        self, picture: Picture, brighter: float, place: Floats
+    ) -> dict[tuple[int, int], Floats]:
+        """Return the responses about a place by their pixels, of pixels as they are."""
+        around, reach = math.ceil(self._radius), self._reach
+        middle = [round(float(each)) for each in place[:2]]
+        box = tuple(
+            slice(max(0, at - reach), min(side, at + reach + 1))
+            for at, side in zip(middle, picture.shape[:2], strict=True)
+        )
+        ground, damped = self._ground[box], self._damped[box]
+        change = self._small(picture[box]) / np.float32(brighter) - ground
+        along = _product(change, ground)
+        strength = self._strength(change, along, damped)
+        response = self._response(change, along, strength, (box[0], box[1]))
+        found = {}
+        peaks = np.nonzero(self._highest(response) & (response >= LEAST_RESPONSE))
+        for own in zip(*(each.tolist() for each in peaks), strict=True):
+            pixel = own[0] + box[0].start, own[1] + box[1].start
+            if max(abs(pixel[0] - middle[0]), abs(pixel[1] - middle[1])) <= around:
+                row, column = _peak(response, *own)
+                at = row + box[0].start, column + box[1].start
+                found[pixel] = np.array([*at, float(response[own])])
+        return found
+
+    def _strength(self, change: Singles, along: Singles, damped: Singles) -> Singles:
+        """Return the square of a change at each pixel, less what a shadow makes of it."""
+        return np.asarray(_product(change, change) - SHADE**2 * damped * along**2)
+
+    def _highest(self, response: Singles) -> NDArray[np.bool_]:
+        """Return where no response near by is larger."""
+        width = 2 * round(HILL_RADII * self._radius) + 1
+        return np.asarray(response >= cv2.dilate(response, np.ones((width, width), np.uint8)))
 
     def _response(
         self, change: Singles, along: Singles, strength: Singles, box: tuple[slice, slice]
@@ -161,8 +222,8 @@ class Sight:
         most = np.sqrt(expected * np.maximum(expected, seen))
         return np.asarray(alike / (most + self._unseen[box]), dtype=np.float32)
 
-    def _changed(self, strength: Singles) -> tuple[slice, slice]:
-        """Return rows and columns beyond which no response is large: most of it stands still.
+    def _changed(self, strength: Singles, least: float) -> tuple[slice, slice]:
+        """Return rows and columns beyond which no response is so large: most of it stands still.
 
         By <D, E>^2 <= <D, D> <E, E>, with <D, D> of the square about a disc.
         """
@@ -171,7 +232,7 @@ class Sight:
         square = cv2.boxFilter(
             strength, -1, (side, side), normalize=False, borderType=cv2.BORDER_CONSTANT
         )
-        strong = square >= self._least
+        strong = square >= least**2 * self._bound
         sides = []
         for axis in (1, 0):
             lines = np.flatnonzero(strong.any(axis=axis)).tolist() or [0]
