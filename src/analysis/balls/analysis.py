@@ -18,6 +18,7 @@ from analysis.balls.films.part import Cut, PartOfFilm
 from analysis.balls.films.raw import RawLayout
 from analysis.balls.films.reading import open_film
 from analysis.balls.films.steady import ShakenError, SteadyFilm
+from analysis.balls.flight.flights import MOST_UNSURE_FALL
 from analysis.balls.flight.known import Ball
 from analysis.balls.lens.lens import Lens, StraightFilm
 from analysis.balls.measuring import MeasuredBall, measure_ball
@@ -28,9 +29,6 @@ from analysis.errors import ShotRefusedError
 
 TURNS = {2: "stands upside down", 1: "lies on its side", 3: "lies on its side"}
 """Quarter turns that may put a film upright, and what is wrong with it."""
-
-MOST_UNSURE_FALL = 0.1
-"""Relative error of gravity in flights by which a film is believed to stand otherwise."""
 
 
 @dataclass(frozen=True, slots=True)

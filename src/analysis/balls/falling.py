@@ -22,6 +22,7 @@ from analysis.balls.seen.free_fall import (
     agreeing,
     as_stated,
     bend_of,
+    by_no_chance,
     falls,
     flown,
     flying,
@@ -177,7 +178,12 @@ def _linked(arcs: Sequence[Arc], looks: Looks, fall: Floats, stated: Floats) -> 
         return None
     if np.array_equal(fall, stated):
         stated_first(linked, looks, fall)
-    return linked, flown(flying(linked[0], looks, fall), looks.radius_px), fall
+    for k, each in enumerate(linked):
+        # What a hand or a rest is taken from may have held the only sure flight.
+        own = flown(flying(each, looks, fall), looks.radius_px)
+        if by_no_chance(own, looks, fall):
+            return [each, *linked[:k], *linked[k + 1 :]], own, fall
+    return None
 
 
 @dataclass(frozen=True, slots=True)

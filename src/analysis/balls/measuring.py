@@ -238,7 +238,7 @@ def _at_surface(
         observed = observed_of(placed, times_s, of_radius)
         known = Known(ball, view, looks.radius_px, looks.radius_sigma_px, drag)
         fitted = fit_flights(observed, start, known, flights)
-        if fitted is None or _lost(fitted, flights):
+        if fitted is None or _lost(fitted, flights) or fitted.at_no_wall:
             break
         flights, told_by, earlier = fitted, placed, told_by
         drag = told_drag(ball, flights, drag) if ball.density is None else drag

@@ -23,6 +23,8 @@ SURE = 3.0
 """Errors by which a plate that is not level leans at least."""
 LARGE_CHI2 = 400.0
 """Mean square of the residuals in errors that a codec and shading do not make."""
+MOST_UNSURE_FALL = 0.1
+"""Relative error of gravity in flights by which they are believed to fall otherwise than stated."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -189,6 +191,16 @@ class Flights:
     def whole_covariance(self) -> Floats:
         """Return the covariance of the numbers with all that is not known of them."""
         return np.asarray(self.covariance + np.outer(self.by_rise, self.by_rise))
+
+    @property
+    def at_no_wall(self) -> bool:
+        """Return whether flights about a wall do not fall as stated, and not surely otherwise.
+
+        A hand that moves a ball to and fro turns it as a wall does, and nothing else tells that it
+        does not fly.
+        """
+        unsure = self.contradiction and self.scale_of_fall[1] > MOST_UNSURE_FALL
+        return self.off_a_wall and unsure
 
     @property
     def off_a_wall(self) -> bool:

@@ -29,6 +29,9 @@ FALL_SIGMA = 0.15
 TOLERANCE_RADII, TOLERANCE_PX = 0.35, 1.0
 MOST_MOVED = 0.5
 """Scatter about one place over that about a fall, of places that rest."""
+STILL_RADII, STILL_PX, MOST_STILL, MOST_COMPARED = 0.1, 1.0, 0.5, 24
+"""What stands still is seen within so much of one place; the share of an arc's sightings that are
+of such things, where it is no flight; and how many of them are looked at."""
 SHOWN_AT_REST, MOST_REMEMBERED = 12.0, 500
 """An arc is continued from the time T in which a ball at rest leaves one that falls: g T^2 / 12
 at its ends is the tolerance then; and from so many sightings at most."""
@@ -113,7 +116,7 @@ class Sightings:
 def find_arcs(seen: Sightings, radius_px: float, fall: Floats) -> list[Arc]:
     """Return pieces of free flight, in order of time; no sighting belongs to two.
 
-    What rests is no flight.
+    What rests is no flight, nor is a way from one thing that stands still to another.
 
     Parameters
     ----------
@@ -124,7 +127,7 @@ def find_arcs(seen: Sightings, radius_px: float, fall: Floats) -> list[Arc]:
     search = _Search(seen, radius_px, fall, free)
     arcs = []
     while (arc := search.best()) is not None:
-        if not arc.rests(fall):
+        if not arc.rests(fall) and not search.goes_between(arc):
             arcs.append(arc)
     return sorted(arcs, key=lambda arc: float(arc.times_s[0]))
 
@@ -151,7 +154,7 @@ class _Search:
         self, seen: Sightings, radius_px: float, fall: Floats, free: list[NDArray[np.bool_]]
     ) -> None:
         frames, most = len(seen.places), max((len(each) for each in seen.places), default=0)
-        self._seen = seen
+        self._seen, self._radius = seen, radius_px
         self._places = np.full((frames, most, 2), np.inf)
         self._free = np.zeros((frames, most), dtype=bool)
         for frame, places in enumerate(seen.places):
@@ -176,6 +179,21 @@ class _Search:
         if count == 0:
             return None
         return self._take([(int(k), int(i)) for k, i in self._taken[:count]])
+
+    def goes_between(self, arc: Arc) -> bool:
+        """Return whether an arc goes from one thing that stands still to another.
+
+        What was at one of its places is still seen there while it is at others. Tolerances are so
+        wide that some frames of two such things go through a fall.
+        """
+        chosen = np.unique(np.linspace(0, len(arc.frames) - 1, MOST_COMPARED).astype(np.intp))
+        own, frames = arc.places[chosen], arc.frames[chosen]
+        near = STILL_RADII * self._radius + STILL_PX
+        apart = np.hypot(*np.moveaxis(own[:, None] - own[None], -1, 0)) > 2.0 * near
+        every = self._places[frames]
+        away = np.hypot(*np.moveaxis(own[:, None, None] - every[None], -1, 0)).min(axis=2)
+        still = ((away < near) & apart).any(axis=1)
+        return bool(still.sum() > MOST_STILL * len(own))
 
     def _take(self, taken: list[tuple[int, int]]) -> Arc:
         for frame, index in taken:

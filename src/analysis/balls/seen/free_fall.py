@@ -7,13 +7,14 @@ only where places were fitted.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from analysis.arrays import Floats
-from analysis.balls.seen.arcs import Arc, Chain
+from analysis.balls.seen.arcs import Arc, Chain, tolerance
 from analysis.balls.seen.growing import LEAST_FRAMES
 from analysis.balls.seen.looks import Looks
 
@@ -27,6 +28,9 @@ LEAST_BEND = 1.5
 """In errors of a place: how far a flight lies off its chord, where it says anything."""
 SEEN_RADII, SEEN_PX = 0.03, 0.3
 """Error of a place as seen first."""
+SURELY, FINEST = 12.0, 1 / 3
+"""Evidence of a flight that is none by chance, and the least scatter that counts, in errors of a
+place: sightings are rounded to pixels of their own."""
 AT_BOUNCE, LEAST_CLEAR = 2, 12
 """Places next to a bounce, which may lie on its other side, and sightings of a flight that is long
 enough to go without them."""
@@ -60,15 +64,40 @@ def falls(chain: Chain, looks: Looks, fall: Floats) -> bool:
 
     Anything that moves slowly goes through a few frames of some fall: a ball that rolls, or a hand.
     What hardly moves in any of its flights, as a leaf in the wind before a camera that shakes, does
-    not fly.
+    not fly. Nor does what goes through flights of a few sightings each, far off any one fall: by a
+    wide tolerance so does all that moves in a film.
     """
     if all(_stays(arc, looks) for arc in chain.arcs):
+        return False
+    if not by_no_chance(chain, looks, fall):
         return False
     bend = bend_of(chain.arcs, looks, fall)
     if bend is None:
         return False
     (share, sigma), (low, high) = bend, FALL_SHARE
     return bool(low - 2 * sigma < share < high + 2 * sigma)
+
+
+def by_no_chance(chain: Chain, looks: Looks, fall: Floats) -> bool:
+    """Return whether one of a chain's flights surely is none by chance."""
+    each = (_evidence(_clear(arc, looks.radius_px, fall), looks) for arc in chain.arcs)
+    return max(each, default=0.0) >= SURELY
+
+
+def _evidence(arc: Arc, looks: Looks) -> float:
+    """Return the logarithm of how unlikely it is that a flight's sightings lie so by chance.
+
+    Two sightings begin it. By chance each further one lies anywhere within the tolerance.
+    """
+    count = len(arc.frames)
+    if count <= PARABOLA:
+        return 0.0
+    gone = arc.times_s - arc.times_s.mean()
+    design = np.vander(gone / max(float(np.abs(gone).max()), 1e-9), PARABOLA)
+    left = arc.places - design @ np.linalg.lstsq(design, arc.places, rcond=None)[0]
+    scatter = float(np.sqrt((left**2).sum() / (2 * (count - PARABOLA))))
+    finest = FINEST * (SEEN_RADII * looks.radius_px + SEEN_PX)
+    return (count - 2) * math.log(tolerance(looks.radius_px) / max(scatter, finest))
 
 
 def as_stated(chain: Chain, looks: Looks, fall: Floats) -> bool:

@@ -128,13 +128,13 @@ def _is_one(seen: Floats, missed: float, away_s: float, rules: Floats) -> bool:
         return False
     if missed <= LEAST_AWAY:
         # Sightings jump where the ground behind the ball changes; a bounce bends the other way.
-        return LEAST_BEND < bend < MOST_BEND
+        return bool(LEAST_BEND < bend < MOST_BEND)
     if abs(bend - 1.0) > FALL_SIGMA:
         return False
     at = _at(away_s - middle, skew, mean, course)
     low = min(at[0], at[1])
     high = min(rules[_ROWS] - at[0], rules[_COLUMNS] - at[1])
-    return not (low > rules[_RADIUS] and high > rules[_RADIUS])
+    return bool(min(low, high) <= rules[_RADIUS])
 
 
 @part

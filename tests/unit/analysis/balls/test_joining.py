@@ -166,6 +166,38 @@ def test_what_trembles_on_its_place_does_not_fall_though_it_bends_as_falls_do() 
     assert falls(Chain((high, arc(30, bow)), np.array([0.15]), np.zeros((1, 2))), looks, fall)
 
 
+def test_two_things_that_stand_still_are_no_flight_from_one_to_the_other() -> None:
+    """Three frames at one and the next at the other bend as a fall does, within its tolerance."""
+    rate, radius, fall = 30.0, 30.0, np.array([8700.0, 0.0])
+    places = [(492.0, 251.0, 0.6), (526.0, 253.0, 0.6)]
+    noise = 0.3 * np.random.default_rng(3).standard_normal((120, 2, 2))
+    seen = [np.array(places) + np.pad(each, ((0, 0), (0, 1))) for each in noise]
+    sightings = Sightings(np.arange(120) / rate, seen, (720, 1280))
+    assert find_arcs(sightings, radius, fall) == []
+
+
+def test_what_goes_hither_and_thither_does_not_fall_though_pieces_of_falls_go_through_it() -> None:
+    """A hand that holds a ball, before a camera of 30 frames/s."""
+    rate, radius, fall = 30.0, 30.0, np.array([8700.0, 0.0])
+    rng, looks = (
+        np.random.default_rng(4),
+        Looks(radius, 0.2, np.ones((6, 1)), np.ones((1, 1)), np.ones(1), ()),
+    )
+    way = 400.0 + np.cumsum(rng.normal(0.0, 10.0, (300, 1, 2)), axis=0)
+    fingers = way + rng.normal(0.0, 30.0, (300, 4, 2))
+    seen = list(np.insert(fingers, 2, 1.0, axis=2))
+    sightings = Sightings(np.arange(300) / rate, seen, (9999, 9999))
+    pieces = chains(find_arcs(sightings, radius, fall), radius, fall)
+    assert sum(len(one.arcs) for one in pieces) > 10
+    assert not any(falls(one, looks, fall) for one in pieces)
+    # A ball that bounces as low is seen in as few frames, and near its falls.
+    gone = np.arange(7.0) / rate
+    hop = 300.0 - 870.0 * gone + 0.5 * fall[0] * gone**2 + rng.normal(0.0, 0.8, 7)
+    frames = np.arange(7)
+    flight = Arc(frames, frames / rate, np.stack([hop, np.full(7, 60.0)], axis=1), 7.0)
+    assert falls(Chain((flight,), np.zeros(0), np.zeros((0, 2))), looks, fall)
+
+
 BALL = Looks(RADIUS, 0.3, np.ones((6, 1)), np.ones((1, 1)), np.ones(1), ())
 
 
