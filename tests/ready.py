@@ -18,7 +18,6 @@ import socket
 import subprocess
 import sys
 import tempfile
-import threading
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, redirect_stderr, redirect_stdout, suppress
 from functools import cache
@@ -126,13 +125,7 @@ def answer(caller: socket.socket) -> None:
         tempfile.tempdir = None
         from rigctl import cli
 
-        code = cli.run(arguments)
-        # Whatever waits for the end of a process is done; to take down all that is loaded is not.
-        threading._shutdown()
-        atexit._run_exitfuncs()
-        sys.stdout.flush()
-        sys.stderr.flush()
-        os._exit(code)
+        sys.exit(cli.run(arguments))
     # The caller may have gone.
     with suppress(OSError):
         caller.sendall(process.to_bytes(8, "big"))
