@@ -92,8 +92,8 @@ class MeasuredBall:
         By how much e of each bounce depends on where the outline of a ball with patches is where
         these are as light as the ground, shape (B,); None: it has none, or that is not known.
     sizes_e
-        By how much e of each bounce depends on the sizes of a ball of unknown mass in a compressed
-        film, shape (B,); None: on no sizes.
+        By how much e of each bounce would change with the sizes of a ball of unknown mass in a
+        compressed film, shape (B,); None: sizes count as they are, or none are known.
     others
         The ball at other surfaces of the same film: walls, and a plate before or after one.
     """
@@ -235,8 +235,8 @@ def _at_surface(
     fits: list[Fit] = []
     for repeat in range(MOST_REPEATS if len(chain.times_s) else 0):
         view = _view(film.head, period, placer.exposure_s)
-        observed = observed_of(placed, times_s, of_radius)
         known = Known(ball, view, looks.radius_px, looks.radius_sigma_px, drag)
+        observed = observed_of(placed, times_s, of_radius, sized=not known.misled_by_sizes)
         fitted = fit_flights(observed, start, known, flights)
         if fitted is None or _lost(fitted, flights) or fitted.at_no_wall:
             break
@@ -277,7 +277,7 @@ def _at_surface(
         outline_e=by_outline(
             placer, (own, motion, row_time), fits, times_s, 0.0 if told is None else told[1]
         ),
-        sizes_e=by_sizes(fits),
+        sizes_e=by_sizes(fits, of_radius),
         unsure_e=_unsure(flights),
         head=film.head,
     )

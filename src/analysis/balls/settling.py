@@ -22,8 +22,16 @@ Fit = tuple[Observed, Start, Known, Flights]
 """Places, a first guess of bounces and what is known beforehand, and the flights fitted to them."""
 
 
-def observed_of(placed: Placed, times_s: Floats, of_radius: ByRadius | None) -> Observed:
-    """Return places as flights are fitted to them; with None nothing of the radius is known."""
+def observed_of(
+    placed: Placed, times_s: Floats, of_radius: ByRadius | None, *, sized: bool = True
+) -> Observed:
+    """Return places as flights are fitted to them; with None nothing of the radius is known.
+
+    Parameters
+    ----------
+    sized
+        Whether the ball's sizes count.
+    """
     least = np.median(placed.sigmas, axis=0) if len(placed.frames) else 0.0
     sigmas = np.maximum(placed.sigmas, LEAST_SIGMA * least)
     plain = Observed(placed.frames, times_s[placed.frames], placed.places, sigmas)
@@ -32,7 +40,7 @@ def observed_of(placed: Placed, times_s: Floats, of_radius: ByRadius | None) -> 
     own = of_radius.of(placed.frames)
     # As if all had been fitted with one radius: what another does to places is in the flights' fit.
     places = placed.places - own.shifts * placed.larger[:, None]
-    return replace(plain, places=places, leans=own.shifts, sizes=own.sizes)
+    return replace(plain, places=places, leans=own.shifts, sizes=own.sizes if sized else None)
 
 
 def last_change(coefficients: Sequence[Floats]) -> Floats:
@@ -75,21 +83,19 @@ def by_outline(
     return np.asarray(changed)
 
 
-def by_sizes(fits: Sequence[Fit]) -> Floats | None:
-    """Return by how much e of each bounce depends on the sizes of a ball of unknown mass.
+def by_sizes(fits: Sequence[Fit], of_radius: ByRadius | None) -> Floats | None:
+    """Return by how much e of each bounce would change with sizes that may mislead.
 
-    In a compressed film sizes follow smears and grounds beside the ball's distance. Drifts that
-    they are taken for bend flights as much drag does, and nothing else tells that drag: flights are
-    fitted once more without them. None where that is not so.
+    None where flights are fitted with sizes as they are, or none are known.
     """
-    if not fits:
+    if not fits or of_radius is None:
         return None
     observed, start, known, flights = fits[-1]
-    open_drag = known.ball.density is None and known.view.compressed
-    if not open_drag or flights.observed.sizes is None:
+    if not known.misled_by_sizes:
         return None
-    plain = fit_flights(replace(observed, sizes=None), start, known, flights)
-    if plain is None or plain.bounces != flights.bounces:
+    sizes = of_radius.of(observed.frames).sizes
+    sized = fit_flights(replace(observed, sizes=sizes), start, known, flights)
+    if sized is None or sized.bounces != flights.bounces:
         return None
-    e, other = (each.contacts[:, 3] / each.contacts[:, 1] for each in (flights, plain))
+    e, other = (each.contacts[:, 3] / each.contacts[:, 1] for each in (flights, sized))
     return np.asarray(np.abs(e - other))

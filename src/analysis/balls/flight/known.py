@@ -251,6 +251,15 @@ class Known:
     radius_sigma_px: float = 0.0
     drag: tuple[float, float] | None = None
 
+    @property
+    def misled_by_sizes(self) -> bool:
+        """Return whether sizes would be taken for drifts, and these for a drag that nothing tells.
+
+        In a compressed film sizes follow smears and grounds beside the ball's distance; drifts bend
+        flights as drag does, which the mass of a ball would tell.
+        """
+        return self.ball.density is None and self.view.compressed
+
     def outline_sigma(self) -> float:
         """Return the relative standard error of the radius."""
         return self.radius_sigma_px / self.radius_px
