@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 
 from rigctl import cli
 
+Capsys = pytest.CaptureFixture[str]
+
 Drawn = NDArray[np.uint8]
 SHAPE, RADIUS, RATE, FALL = (240, 120), 14.0, 200.0, 2800.0
 """A ball of 28 px whose fall is 2800 px/s^2: 100 mm across."""
@@ -103,3 +105,17 @@ def answer(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict[str, Any
     assert code == (0 if shot["status"] == "measured" else cli.BAD_INPUT)
     assert (shot["status"] == "measured") or shot["reason"] in shown.err
     return dict(shot)
+
+
+def analysed(pictures: list[Drawn], folder: Path, capsys: Capsys, rate: int = 200) -> Any:
+    film = save(folder / "film", pictures)
+    shot = answer(capsys, str(film), *SIZE, "--fps", str(rate))
+    assert shot["status"] == "measured", shot
+    return shot
+
+
+def said(shot: Any, words: str) -> str:
+    """Return the note with these words; fail where none has them."""
+    notes = [note for note in shot["notes"] if words in note]
+    assert len(notes) == 1, shot["notes"]
+    return str(notes[0])
