@@ -39,7 +39,7 @@ OTHER_FALLS = tuple(2.0**k for k in (*range(-2, -13, -1), *range(2, 9)))
 """Of that fall, what a diameter in another unit and a film in slow motion make of it: 1000 frames/s
 that are shown at 25 fall 1600 times as slowly. Each is found from half of it to twice."""
 MOST_UNSURE = 0.1
-"""Error of another fall, as a share of it."""
+"""Error of another fall, as a share of it: of each flight that shows it, and of all."""
 LEAST_OF_SEEN = 1 / 3
 """Of the frames in which the ball is seen: flights that fall otherwise."""
 
@@ -211,8 +211,9 @@ def other_fall(
 ) -> OtherFall | None:
     """Return how a ball falls that falls far otherwise than stated; None where none surely does.
 
-    At least two of its flights bend alike, in more frames than those of `flights`. Only the surest
-    sighting of a frame is looked at.
+    At least two of its flights surely bend alike, in more frames than those of `flights`: a hand
+    that moves a ball slowly to and fro goes through pieces of slow falls, of which hardly one shows
+    its bend. Only the surest sighting of a frame is looked at.
     """
     seen = replace(seen, places=[places[:1] for places in seen.places])
     most = 0 if flights is None else agreeing(flights[1], looks, flights[2])[0]
@@ -226,7 +227,7 @@ def other_fall(
         other = _linked(arcs_of(seen, looks, fall), looks, fall, stated)
         if other is None:
             continue
-        frames, alike = agreeing(other[1], looks, fall)
+        frames, alike = agreeing(other[1], looks, fall, MOST_UNSURE)
         bent = bend_of(other[1].arcs, looks, fall)
         if frames < least or alike < 2 or bent is None:
             continue

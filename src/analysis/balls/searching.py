@@ -28,6 +28,8 @@ from analysis.balls.seen.uncovered import uncovered
 from analysis.errors import ShotRefusedError
 
 LEAST_BALL_FRAMES = 6
+ON_A_LINE, MOST_OF = 0.1, 0.75
+"""Of the way that a ball goes, and of its places: what rolls or slides keeps to a line."""
 NEAR_RADII = 0.5
 """From a flight to a disc that is the same thing."""
 AS_STRONG, HARDLY_SEEN = 0.7, 0.4
@@ -132,7 +134,7 @@ def _searches(
             yield OtherFallError(other, ball.diameter_m, looks, seen, head.per_frame)
             continue
         if flights is None:
-            said = f"{_way(seen, looks, stated)}; no flight of four frames is in this film"
+            said = f"{cause_of(seen, looks, stated)}; no flight of four frames is in this film"
             yield CarriedError(said, looks, seen)
             continue
         linked, chain, fall = flights
@@ -211,16 +213,18 @@ def _beside_flights(seen: Sightings, chain: Chain, radius_px: float) -> Floats:
     return np.array(beside, dtype=np.float64).reshape(-1, 3)
 
 
-def _way(seen: Sightings, looks: Looks, fall: Floats) -> str:
+def cause_of(seen: Sightings, looks: Looks, fall: Floats) -> str:
     """Say how something moves that does not fly."""
     frames = [k for k, places in enumerate(seen.places) if len(places)]
     if len(frames) < LEAST_BALL_FRAMES:
         return f"a ball is seen in {len(frames)} frames only"
-    first, last = seen.places[frames[0]][0], seen.places[frames[-1]][0]
+    surest = np.array([seen.places[k][0, :2] for k in frames])
+    first, last = surest[0], surest[-1]
     place = f"from ({first[0]:.0f}, {first[1]:.0f}) to ({last[0]:.0f}, {last[1]:.0f}) px"
     down, across = abs(last[0] - first[0]), abs(last[1] - first[1])
     span = f"frame {frames[0]} to {frames[-1]}, {place}; check frame rate and diameter if it flies"
-    if across > 2 * down and across > STEADY_RADII * looks.radius_px:
+    along = across > 2 * down and across > STEADY_RADII * looks.radius_px
+    if along and _off_a_line(surest) < max(ON_A_LINE * across, NEAR_RADII * looks.radius_px):
         return f"the ball rolls or slides: {span}"
     lasts_s = float(seen.times_s[frames[-1]] - seen.times_s[frames[0]])
     bend, least = shown_bend(lasts_s, looks.radius_px, fall)
@@ -231,6 +235,13 @@ def _way(seen: Sightings, looks: Looks, fall: Floats) -> str:
             f"{span}"
         )
     return f"the ball does not fall freely, as if it were held or carried: {span}"
+
+
+def _off_a_line(places: Floats) -> float:
+    """Return how far most of some places lie at most from the line from the first to the last."""
+    way = places[-1] - places[0]
+    off = (places - places[0]) @ np.array([-way[1], way[0]]) / np.hypot(*way)
+    return float(np.quantile(np.abs(off), MOST_OF))
 
 
 def rings(pictures: Mapping[int, Picture]) -> dict[int, Disc]:

@@ -41,13 +41,21 @@ STEADY_RADII = 0.5
 """A ball that stays within so many radii for all its frames is not in flight."""
 
 
-def agreeing(chain: Chain, looks: Looks, fall: Floats) -> tuple[int, int]:
+def agreeing(
+    chain: Chain, looks: Looks, fall: Floats, most_unsure: float = math.inf
+) -> tuple[int, int]:
     """Return how many frames and flights of a chain bend alike, as those of one ball do.
 
     What is no ball goes through pieces of falls too, each of which bends in its own way.
+
+    Parameters
+    ----------
+    most_unsure
+        Error of a flight's bend, as a share of it, from which on the flight does not count.
     """
     bends = [(arc, bend_of([arc], looks, fall)) for arc in chain.arcs]
-    known = [(arc, *bend) for arc, bend in bends if bend is not None]
+    bent = [(arc, *bend) for arc, bend in bends if bend is not None]
+    known = [each for each in bent if each[2] < most_unsure * abs(each[1])]
     most = 0, 0
     for _, middle, _ in known:
         alike = [
