@@ -21,6 +21,7 @@ from analysis.balls.films.steady import ShakenError, SteadyFilm
 from analysis.balls.flight.flights import MOST_UNSURE_FALL
 from analysis.balls.flight.known import Ball
 from analysis.balls.lens.lens import Lens, StraightFilm
+from analysis.balls.looking import Looked, TurnedLook
 from analysis.balls.measuring import MeasuredBall, measure_ball
 from analysis.balls.remarks import remarks
 from analysis.balls.seen.left_out import ThinnedError
@@ -139,7 +140,8 @@ def analyse_held(film: Film, times: Floats, ball: Ball, exposure: float | None) 
         Nothing in it is a ball in flight.
     """
     try:
-        measured = measure_ball(film, times, ball, exposure)
+        looked = Looked(film)
+        measured = measure_ball(looked, times, ball, exposure)
     except ShakenError:
         steady = SteadyFilm(film)
         found = analyse_held(steady, times, ball, exposure)
@@ -160,14 +162,14 @@ def analyse_held(film: Film, times: Floats, ball: Ball, exposure: float | None) 
         if refusal.step != "flight":
             raise
         ways = [way for way in TURNS if _may_fly(refusal, ball, way)]
-        turned = _turned(film, times, ball, exposure, ways)
+        turned = _turned(looked, times, ball, exposure, ways)
         if turned is None:
             if isinstance(refusal, NotFlyingError):
                 refusal.placed = refusal.place(film)
             raise
         return turned
     if measured.bounces == 0 and _seen_elsewhere(measured):
-        turned = _turned(film, times, ball, exposure, TURNS)
+        turned = _turned(looked, times, ball, exposure, TURNS)
         if turned is not None and turned.measured.bounces:
             return turned
     even = _in_one_rate(film, measured, (times, ball, exposure)) if in_doubt(measured) else None
@@ -191,7 +193,7 @@ def _in_one_rate(
             continue
         part = PartOfFilm(film, Cut(first, last + 1))
         try:
-            own = measure_ball(part, times[first : last + 1] - times[first], ball, exposure)
+            own = measure_ball(Looked(part), times[first : last + 1] - times[first], ball, exposure)
         except ShotRefusedError:
             continue
         if in_doubt(own) or sure_bounces(own) <= sure_bounces(measured):
@@ -228,7 +230,7 @@ def _may_fly(refusal: ShotRefusedError, ball: Ball, turns: int) -> bool:
 
 
 def _turned(
-    film: Film, times: Floats, ball: Ball, exposure: float | None, ways: Iterable[int]
+    looked: Looked, times: Floats, ball: Ball, exposure: float | None, ways: Iterable[int]
 ) -> AnalysedFilm | None:
     """Measure a film in which things fall up or sideways; None where they fall no way.
 
@@ -243,7 +245,7 @@ def _turned(
     """
     found: AnalysedFilm | None = None
     for turns in ways:
-        upright = PartOfFilm(film, Cut(), turns)
+        upright = TurnedLook(looked, turns)
         try:
             measured = measure_ball(upright, times, ball, exposure)
         except ShotRefusedError:
@@ -254,7 +256,7 @@ def _turned(
             continue
         note = f"the film {TURNS[turns]}: rows and columns are those of the picture turned upright"
         if found is None or measured.bounces:
-            found = AnalysedFilm(upright, measured, (note, *remarks(measured)))
+            found = AnalysedFilm(upright.film, measured, (note, *remarks(measured)))
         if measured.bounces:
             break
     return found

@@ -30,6 +30,7 @@ from analysis.balls.seen.free_fall import (
 from analysis.balls.seen.joining import joined
 from analysis.balls.seen.jumps import jumps
 from analysis.balls.seen.looks import Looks
+from analysis.balls.seen.quarter_turns import places_turned
 
 FALLS = (1.0, 0.7, 1.4, 0.5, 2.0)
 """Of the fall that follows from the stated diameter: those that are tried."""
@@ -54,11 +55,8 @@ def stated_fall(ball: Ball, looks: Looks) -> Floats:
 
 def turned(seen: Sightings, quarter_turns: int) -> Sightings:
     """Return what is seen in pictures that are turned by quarter turns, as by `np.rot90`."""
-    places, shape = list(seen.places), seen.shape
-    for _ in range(quarter_turns % 4):
-        last = shape[1] - 1
-        places = [np.stack([last - p[:, 1], p[:, 0], p[:, 2]], axis=1) for p in places]
-        shape = shape[::-1]
+    places = [places_turned(each, seen.shape, quarter_turns) for each in seen.places]
+    shape = seen.shape[::-1] if quarter_turns % 2 else seen.shape
     return replace(seen, places=places, shape=shape)
 
 

@@ -15,6 +15,7 @@ from analysis.arrays import Floats
 from analysis.balls.discs.disc import Disc
 from analysis.balls.films.fields import refuse_combed
 from analysis.balls.films.film import Film, FilmHead, Picture, spread_frames
+from analysis.balls.films.part import Cut, PartOfFilm
 from analysis.balls.films.steady import refuse_shaken
 from analysis.balls.seen.background import (
     Brightness,
@@ -34,6 +35,7 @@ from analysis.balls.seen.looks import (
     looks_of,
     weight,
 )
+from analysis.balls.seen.quarter_turns import looks_turned, picture_turned, places_turned
 from analysis.balls.seen.sighting import Sight
 from analysis.balls.seen.surroundings import Surroundings
 from analysis.balls.seen.turning import turning_ball
@@ -144,6 +146,42 @@ class Looked:
         head = self.film.head
         sought = [looks_of(each, self.samples, self.ground, head) for each in new]
         return _seen(self.film, sought, self._read, self.ground) if sought else []
+
+
+class TurnedLook(Looked):
+    """The same film turned by quarter turns: what was seen of it turns with it.
+
+    Parameters
+    ----------
+    upright
+        The film as it is.
+    quarter_turns
+        As `np.rot90` has them.
+    """
+
+    def __init__(self, upright: Looked, quarter_turns: int) -> None:
+        self._upright, self._turns = upright, quarter_turns
+        self._shape = upright.ground.shape[0], upright.ground.shape[1]
+        self.film = PartOfFilm(upright.film, Cut(), quarter_turns)
+        self.samples, self._read = (
+            {number: np.rot90(picture, quarter_turns) for number, picture in each.items()}
+            for each in (upright.samples, upright._read)
+        )
+        self.ground = picture_turned(upright.ground, quarter_turns)
+        self.noise, self.shake_shown = upright.noise, upright.shake_shown
+        # Of a ball that turns on its place no other film is asked.
+        self.turning = None
+
+    def balls(self) -> Iterator[list[Sighted]]:
+        """Give the balls of the film as it is, turned."""
+        for some in self._upright.balls():
+            yield [self._turned(one) for one in some]
+
+    def _turned(self, one: Sighted) -> Sighted:
+        looks = looks_turned(one.looks, self._shape, self._turns)
+        places = tuple(places_turned(each, self._shape, self._turns) for each in one.places)
+        about = one.about and one.about.turned(self._read, self._shape, self._turns)
+        return Sighted(looks, places, about, one.gains)
 
 
 def _size_ranges(ground: Picture) -> list[tuple[tuple[float, float], float]]:

@@ -135,15 +135,19 @@ class MeasuredBall:
         return self.search.chain
 
 
-def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | None) -> MeasuredBall:
+def measure_ball(
+    looked: Looked, times_s: Floats, ball: Ball, exposure_s: float | None
+) -> MeasuredBall:
     """Find a ball that flies and bounces, and measure its bounces.
 
     Where frames are missing and it is certain how many, the film is measured with the times mended.
 
     Parameters
     ----------
+    looked
+        The film.
     times_s
-        Of the frames, s, shape (frames,).
+        Of its frames, s, shape (frames,).
     exposure_s
         None: found from the smear.
 
@@ -154,7 +158,6 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
     """
     gaps: list[Gap] = []
     complete, before = False, None
-    looked = Looked(film)
     while True:
         try:
             measured, fits = _measured(looked, times_s, ball, exposure_s, complete=complete)

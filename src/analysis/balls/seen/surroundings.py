@@ -5,12 +5,13 @@ To decode a film of 1920 x 1080 pixels once more takes longer than all else that
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from analysis.arrays import Floats
 from analysis.balls.films.film import HELD_BYTES, Picture
+from analysis.balls.seen.quarter_turns import Shape, picture_turned
 
 Box = tuple[int, int, int, int]
 """First row, first column, and those after the last."""
@@ -33,12 +34,17 @@ class Surroundings:
         Of each frame, the box and the pixels of each sighting.
     room
         Bytes that may still be kept; negative where some sightings are not.
+    turns, shape
+        Quarter turns by which parts are turned when they are cut, and the shape of the pictures
+        before.
     """
 
     samples: dict[int, Picture]
     reach_px: int
     parts: dict[int, list[tuple[Box, Picture]]]
     room: float
+    turns: int = 0
+    shape: Shape = (0, 0)
 
     @classmethod
     def new(cls, radius_px: float, samples: dict[int, Picture]) -> Surroundings:
@@ -63,7 +69,23 @@ class Surroundings:
 
     def cut(self, frame: int, box: Box) -> Picture | None:
         """Return a box of a frame; None where it was not kept whole."""
+        box = self._before(box)
         for (top, left, bottom, right), part in self.parts.get(frame, []):
             if top <= box[0] and left <= box[1] and box[2] <= bottom and box[3] <= right:
-                return part[box[0] - top : box[2] - top, box[1] - left : box[3] - left]
+                cut = part[box[0] - top : box[2] - top, box[1] - left : box[3] - left]
+                return picture_turned(cut, self.turns)
         return None
+
+    def turned(self, samples: dict[int, Picture], shape: Shape, turns: int) -> Surroundings:
+        """Return what is kept, for pictures that are turned; `samples` are turned already."""
+        return replace(self, samples=samples, shape=shape, turns=turns)
+
+    def _before(self, box: Box) -> Box:
+        """Return a box of turned pictures where it lies before they are turned."""
+        top, left, bottom, right = box
+        rows, columns = self.shape
+        for left_over in range(self.turns, 0, -1):
+            # By the last of these quarter turns a row became a column, counted as it was.
+            high = columns if left_over % 2 else rows
+            top, left, bottom, right = left, high - bottom, right, high - top
+        return top, left, bottom, right

@@ -6,11 +6,15 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+import pytest
 
+from analysis.arrays import Floats
 from analysis.balls.films.film import HeldFilm, Picture
+from analysis.balls.films.part import Cut, PartOfFilm
 from analysis.balls.flight.known import Ball
-from analysis.balls.looking import Looked
+from analysis.balls.looking import Looked, Sighted, TurnedLook
 from analysis.balls.searching import search
+from analysis.balls.seen.surroundings import Surroundings
 from tests.unit.cli.falling_ball import DIAMETER_MM, RATE, SHAPE, bouncing, picture
 
 FRAMES = 120
@@ -52,3 +56,40 @@ def test_a_ball_of_a_large_picture_is_looked_for_once_where_smaller_ones_are_sou
     assert np.prod(looked.ground.shape[:2]) == large**2 * np.prod(SHAPE)
     assert len({one.seen for one in seen}) == len(seen)
     assert sum(abs(one.radius_px - 14.0 * large) < large for one in seen) == 1
+
+
+@pytest.mark.parametrize("turns", [1, 2, 3])
+def test_what_is_seen_of_a_turned_film_is_what_a_look_at_its_turned_pictures_shows(
+    turns: int,
+) -> None:
+    film = counted()
+    upright = Looked(film)
+    (first, *_), *_ = list(upright.balls())
+    looks = film.looks
+    (known, *_), *_ = list(TurnedLook(upright, turns).balls())
+    assert film.looks == looks
+    (anew, *_), *_ = list(Looked(PartOfFilm(film, Cut(), turns)).balls())
+    assert known.looks.radius_px == pytest.approx(anew.looks.radius_px, abs=0.02)
+    assert known.looks.shading == pytest.approx(anew.looks.shading, abs=0.5)
+    assert strongest(known) == pytest.approx(strongest(anew), abs=0.01)
+    assert strongest(known) != pytest.approx(strongest(first), abs=1.0)
+
+
+def strongest(sighted: Sighted) -> Floats:
+    return np.array([each[each[:, 2].argmax(), :2] for each in sighted.places if len(each)])
+
+
+@pytest.mark.parametrize("turns", [0, 1, 2, 3])
+def test_what_is_kept_about_a_ball_is_cut_as_from_turned_pictures(turns: int) -> None:
+    shown = np.arange(24 * 16, dtype=np.uint16).reshape(24, 16, 1)
+    kept = Surroundings({}, 4, {}, 1e6)
+    kept.keep(7, shown, np.array([[9.0, 6.0, 1.0]]))
+    about = kept.turned({}, (24, 16), turns)
+    whole = np.rot90(shown, turns)
+    (top, left) = np.argwhere(whole[..., 0] == shown[7, 5, 0])[0]
+    box = (top - 1, left - 1, top + 3, left + 2)
+    cut = about.cut(7, box)
+    assert cut is not None
+    assert cut.tolist() == whole[box[0] : box[2], box[1] : box[3]].tolist()
+    assert about.cut(8, box) is None
+    assert about.cut(7, (0, 0, 3, 3)) is None

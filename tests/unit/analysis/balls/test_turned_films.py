@@ -14,6 +14,7 @@ from analysis.balls.falling import turned
 from analysis.balls.films.film import Film, HeldFilm
 from analysis.balls.films.part import Cut, PartOfFilm
 from analysis.balls.flight.known import Ball
+from analysis.balls.looking import Looked
 from analysis.balls.measuring import MeasuredBall, measure_ball
 from analysis.balls.seen.arcs import Sightings
 from tests.unit.cli.falling_ball import DIAMETER_MM, FALL, RATE, bouncing, picture
@@ -26,9 +27,9 @@ def measured(monkeypatch: pytest.MonkeyPatch) -> list[Film]:
     """Return films that are measured, each once for each time."""
     films: list[Film] = []
 
-    def kept(film: Film, *known: object) -> MeasuredBall:
-        films.append(film)
-        return measure_ball(film, *known)  # type: ignore[arg-type]
+    def kept(looked: Looked, *known: object) -> MeasuredBall:
+        films.append(looked.film)
+        return measure_ball(looked, *known)  # type: ignore[arg-type]
 
     monkeypatch.setattr(analysis, "measure_ball", kept)
     return films
