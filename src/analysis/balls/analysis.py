@@ -24,6 +24,7 @@ from analysis.balls.lens.lens import Lens, StraightFilm
 from analysis.balls.looking import Looked, TurnedLook
 from analysis.balls.measuring import MeasuredBall, measure_ball
 from analysis.balls.remarks import remarks
+from analysis.balls.seen.free_fall import bend_of
 from analysis.balls.seen.left_out import ThinnedError
 from analysis.balls.seen.repeats import BroughtToRateError
 from analysis.errors import ShotRefusedError
@@ -168,7 +169,7 @@ def analyse_held(film: Film, times: Floats, ball: Ball, exposure: float | None) 
                 refusal.placed = refusal.place(film)
             raise
         return turned
-    if measured.bounces == 0 and _seen_elsewhere(measured):
+    if measured.bounces == 0 and _seen_elsewhere(measured) and not _falls_down(measured):
         turned = _turned(looked, times, ball, exposure, TURNS)
         if turned is not None and turned.measured.bounces:
             return turned
@@ -213,6 +214,17 @@ def _in_one_rate(
 def _falls(measured: MeasuredBall) -> bool:
     """Return whether flights are bent by gravity, by several of their errors."""
     return measured.flights is not None and measured.flights.scale_of_fall[1] < MOST_UNSURE_FALL
+
+
+def _falls_down(measured: MeasuredBall) -> bool:
+    """Return whether what flies surely falls as the film stands, though it does not bounce.
+
+    So does a ball that is thrown and caught: in the film turned otherwise hands would seem to throw
+    it down, and it to bounce.
+    """
+    search = measured.search
+    bent = bend_of(search.chain.arcs, search.looks, search.fall)
+    return bent is not None and bent[1] < MOST_UNSURE_FALL * bent[0]
 
 
 def _seen_elsewhere(measured: MeasuredBall) -> bool:

@@ -40,6 +40,9 @@ OVER_BOUNCE = 6
 MOST_E = 2.0
 """Speed after a bounce over that before it, as few sightings tell them: a plate at rest gives none,
 and what leaves faster was in pieces of its flights."""
+MOST_APART_RADII = 1.5
+"""Between two courses where they meet; and by how much sightings of one lie off the other one on
+the wrong side of the bounce."""
 MOST_DOWN = 0.5
 """Of the change of speed in a bounce, along the fall: floors push against it, and walls across."""
 MOST_SEED_RADII = 14.0
@@ -389,6 +392,7 @@ def _meeting(before: _Followed, after: _Followed, radius_px: float, fall: Floats
     time = at + shift
     if not a.times_s[-1] - margin <= time <= b.times_s[0] + margin:
         return None
-    if np.hypot(*apart) > 1.5 * radius_px:
+    beyond = math.sqrt(size) * float(max(a.times_s[-1] - time, time - b.times_s[0]))
+    if max(float(np.hypot(*apart)), beyond) > MOST_APART_RADII * radius_px:
         return None
     return time, place_a + velocity_a * shift + 0.5 * fall * shift**2

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from analysis.arrays import Floats
 from analysis.balls.seen import arcs as own
@@ -52,3 +53,20 @@ def test_pieces_of_many_balls_are_compared_once_and_with_neighbours_in_time_alon
     assert len(chains(many, RADIUS, FALL)) == balls
     # Pairs in which one begins within two hops after the other, and two courses of each.
     assert courses <= 2 * len(many) * 2 * balls
+
+
+@pytest.mark.parametrize(("seen_before_it", "bounces"), [(0, 1), (3, 0)])
+def test_a_ball_that_is_seen_on_its_way_up_before_it_came_down_has_not_bounced(
+    seen_before_it: int, bounces: int
+) -> None:
+    """To a telephone two balls pass each other as one would bounce."""
+    rate, bounce = 30.0, 12.5
+    came, left = np.arange(10), np.arange(13 - seen_before_it, 26)
+
+    def flight(frames: NDArray[np.intp], speed: float) -> Arc:
+        gone = (frames - bounce) / rate
+        rows = 900.0 + speed * gone + 0.5 * FALL[0] * gone**2
+        return Arc(frames, frames / rate, np.stack([rows, 0.0 * rows], axis=1), float(len(rows)))
+
+    found = chains([flight(came, 1200.0), flight(left, -900.0)], RADIUS, FALL)
+    assert sum(len(chain.times_s) for chain in found) == bounces
