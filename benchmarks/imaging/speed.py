@@ -88,7 +88,7 @@ def large(seed: int) -> None:
         print("  of large pictures: the rendered pair cannot be learned")
         return
     options = AnalysisOptions(method="photometric")
-    seconds = best_of(5, lambda: analyse_shot(second, times_s, setup, options, known))
+    seconds = best_of(25, lambda: analyse_shot(second, times_s, setup, options, known))
     name = f"{LARGE[1]} x {LARGE[0]}, spheres of {LARGE_DIAMETER_PX:.0f} px, known pair"
     sheet.at_least(name, FRAMES / seconds, 200.0, "frames/s")
     print(f"  reading the file alone, beside it: {FRAMES / reading:.0f} frames/s")

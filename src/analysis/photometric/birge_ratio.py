@@ -106,13 +106,12 @@ def _flight(
 
 def _off_lines(values: Floats, tau: Floats, sigma: Floats) -> Floats:
     """Return values (n, 3) over sigma, less their lines; 0 where not measured."""
-    left = np.empty(values.shape)
-    for axis in range(3):
-        white = 1.0 / sigma[:, axis]
-        line = np.stack([white, white * tau], axis=1)
-        own = white * values[:, axis]
-        left[:, axis] = own - line @ np.linalg.lstsq(line, own, rcond=None)[0]
-    return left
+    white, time = 1.0 / sigma, tau[:, None]
+    weight = white**2
+    sums = [(weight * time**power).sum(axis=0) for power in range(3)]
+    own, by_time = (weight * values).sum(axis=0), (weight * time * values).sum(axis=0)
+    slope = (sums[0] * by_time - sums[1] * own) / (sums[0] * sums[2] - sums[1] ** 2)
+    return np.asarray(white * (values - (own - slope * sums[1]) / sums[0] - slope * time))
 
 
 def _turning(own: Orientations, times_s: Floats, side: tuple[int, int]) -> tuple[float, int]:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
+from itertools import islice
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -45,6 +48,8 @@ be lost again before its motion is known."""
 TRIED_FRAMES = 4
 LOOKED_AT = 4
 """Frames that are looked at before all are."""
+CLEAR_VOTES = 0.5
+"""Of those that a whole outline gives: a sphere that is half hidden has fewer."""
 
 
 class Follower:
@@ -101,8 +106,7 @@ class Follower:
         count, costs, doubtful = len(self._film.frames), list[float](), list[int]()
         few = list(range(0, count, max(1, count // LOOKED_AT)))
         for frames in (few, [k for k in range(count) if k not in few]):
-            pairs = [(k, *pair) for k in frames if (pair := self._pair(k)) is not None]
-            for k, centres, _ in sorted(pairs, key=lambda item: -item[2])[:TRIED_FRAMES]:
+            for k, centres in islice(self._apart(frames), TRIED_FRAMES):
                 cost, certain = self._cost_at(k, centres)
                 costs.append(cost)
                 if cost < MOST_COST and certain:
@@ -116,6 +120,21 @@ class Follower:
         raise ShotRefusedError(
             "assignment", f"no frame shows the spheres as they were learned ({what})"
         )
+
+    def _apart(self, frames: Iterable[int]) -> Iterator[tuple[int, Floats]]:
+        """Yield frames in which both spheres stand apart, with their centres.
+
+        One that shows them clearly at once, before others are looked at; then by their votes.
+        """
+        others: list[tuple[float, int, Floats]] = []
+        for k in frames:
+            centres, votes = self._pair(k) or (None, 0.0)
+            if centres is not None and votes > CLEAR_VOTES:
+                yield k, centres
+            elif centres is not None:
+                others.append((votes, k, centres))
+        for _, k, centres in sorted(others, key=lambda item: -item[0]):
+            yield k, centres
 
     def _cost_at(self, k: int, centres: Floats) -> tuple[float, bool]:
         """Place both spheres in a frame; return their cost, and whether no other turns fit as well.

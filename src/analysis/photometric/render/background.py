@@ -15,8 +15,10 @@ KEEP_OFF_PX = 4.0
 LEAST_COUNT = 2
 FEW, LOOKED_AT = 9, 9
 """Frames of the first guess, and those in which dead lines are looked for."""
-EVERY = 3
-"""Share of rows and columns that the smooth surface is fitted to."""
+THIN = np.s_[::3, ::3]
+"""Rows and columns that the smooth surface is fitted to, and a pixel's noise is taken from."""
+LEAST_VARIANCE = 1 / 12
+"""Of whole grey levels, by rounding."""
 
 
 @compiled
@@ -71,17 +73,27 @@ def background_of(frames: Singles, discs: Floats) -> tuple[Floats, float]:
     uncovered_sums(frames, discs, sums, squares, counts)
     often = counts >= LEAST_COUNT
     mean = np.where(often, sums / np.maximum(counts, 1.0), 0.0)
-    spread = np.maximum(squares - counts * mean**2, 0.0)[often]
-    freedom = counts[often] - 1.0
-    # The median of chi-squared over its freedom is about 1 - 2/9f cubed; it ignores flicker.
-    root = 1 - 2 / (9 * freedom)
-    noise2 = float(np.median(spread / (freedom * root * root * root))) if often.any() else 1 / 12
-    noise2 = max(noise2, 1 / 12)
+    noise2 = _variance(sums[THIN], squares[THIN], counts[THIN])
     smooth = _surface(mean, counts, shape)
     rough = np.where(often, mean - smooth, 0.0)
     texture = max(float((rough[often] ** 2 - noise2 / counts[often]).mean()), 0.0)
     follow = texture / (texture + noise2 / np.maximum(counts, 1e-9))
     return smooth + np.where(often, follow * rough, 0.0), float(np.sqrt(noise2))
+
+
+def _variance(sums: Floats, squares: Floats, counts: Floats) -> float:
+    """Return a pixel's variance, grey levels squared, by the scatter of some about their means.
+
+    That of rounding at least.
+    """
+    often = counts >= LEAST_COUNT
+    if not often.any():
+        return LEAST_VARIANCE
+    seen, freedom = counts[often], counts[often] - 1.0
+    spread = np.maximum(squares[often] - sums[often] ** 2 / seen, 0.0)
+    # The median of chi-squared over its freedom is about 1 - 2/9f cubed; it ignores flicker.
+    root = 1 - 2 / (9 * freedom)
+    return max(float(np.median(spread / (freedom * root * root * root))), LEAST_VARIANCE)
 
 
 def _surface(mean: Floats, counts: Floats, shape: tuple[int, ...]) -> Floats:
@@ -90,11 +102,11 @@ def _surface(mean: Floats, counts: Floats, shape: tuple[int, ...]) -> Floats:
     powers = [(i, j) for i in range(DEGREE + 1) for j in range(DEGREE + 1 - i)]
     along = np.polynomial.chebyshev.chebvander(rows, DEGREE)
     across = np.polynomial.chebyshev.chebvander(columns, DEGREE)
-    thin = np.s_[::EVERY, ::EVERY]
-    design = np.stack([np.outer(along[::EVERY, i], across[::EVERY, j]).ravel() for i, j in powers])
-    weighted = design * counts[thin].ravel()
+    down, right = THIN
+    design = np.stack([np.outer(along[down, i], across[right, j]).ravel() for i, j in powers])
+    weighted = design * counts[THIN].ravel()
     # Chebyshev's polynomials are nearly at right angles: their squares stay well conditioned.
-    solution = np.linalg.lstsq(weighted @ design.T, weighted @ mean[thin].ravel(), rcond=None)[0]
+    solution = np.linalg.lstsq(weighted @ design.T, weighted @ mean[THIN].ravel(), rcond=None)[0]
     grid = np.zeros((DEGREE + 1, DEGREE + 1))
     for (i, j), value in zip(powers, solution, strict=True):
         grid[i, j] = value

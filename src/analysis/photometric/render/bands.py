@@ -30,10 +30,10 @@ Ground = tuple[Floats, Singles, NDArray[np.bool_], Floats]
 
 BAND = 256
 RESIDUAL, ROOT = np.uint64(UNKNOWNS * BAND), np.uint64((UNKNOWNS + 1) * BAND)
-DISC, DISC_U, DISC_V, LIGHT, LIGHT_U, LIGHT_V, ACROSS, DOWN = (
-    np.uint64((UNKNOWNS + 2 + k) * BAND) for k in range(8)
+DISC, DISC_U, DISC_V, LIGHT, LIGHT_U, LIGHT_V, BEYOND, ACROSS, DOWN = (
+    np.uint64((UNKNOWNS + 2 + k) * BAND) for k in range(9)
 )
-LANES = UNKNOWNS + 10
+LANES = UNKNOWNS + 11
 LANE = [np.uint64(k * BAND) for k in range(UNKNOWNS)]
 L0, L1, L2, L3, L4, L5, L6, L7, L8 = LANE
 ONE = np.uint64(1)
@@ -72,29 +72,70 @@ def lay_along(
 
 @part
 def look_up(disc: Floats, surface: Floats, band: Floats, count: int) -> None:
-    """Look the first pixels of a band up (`residual.shade`)."""
-    flat, line = surface.reshape(-1), np.uint64(surface.shape[1])
+    """Look the first pixels of a band up (`residual.shade`).
+
+    In three loops: only that which reads tables at places of its own has no vector instructions.
+    """
     half = (surface.shape[0] - 1) * 0.5
-    per_radius, widest = half / SPAN, 1.999999 * half
-    furthest = disc.shape[0] - 1.000001
+    find_nodes(band, count, disc.shape[0] - 1.000001, half)
+    read_nodes(disc, surface, band, count)
+    blend_nodes(band, count, half / SPAN)
+
+
+@part
+def find_nodes(band: Floats, count: int, furthest: float, half: float) -> None:
+    """Fill DISC and LIGHT with the nodes before each pixel, and what is left to the pixel beside.
+
+    Parameters
+    ----------
+    furthest
+        Of the disc's nodes.
+    half
+        Half side of the surface, nodes.
+    """
+    per_radius, widest, line = half / SPAN, 1.999999 * half, 2.0 * half + 1.0
     for n in range(np.uint64(count)):
         u, x = band[DOWN + n], band[ACROSS + n]
         square = min((u * u + x * x) * SQUARE_STEPS, furthest)
         # By way of 32 bits with a sign: several floats become such integers at once.
-        whole = np.int32(square)
-        k = np.uint64(whole)
-        start = disc[k]
-        rise = disc[k + ONE] - start
-        band[DISC + n] = start + (square - np.float64(whole)) * rise
-        band[DISC_U + n] = 2.0 * SQUARE_STEPS * rise * u
-        band[DISC_V + n] = 2.0 * SQUARE_STEPS * rise * x
+        node = np.float64(np.int32(square))
+        band[DISC + n], band[DISC_U + n] = node, square - node
         a = min(max(u * per_radius + half, 0.0), widest)
         b = min(max(x * per_radius + half, 0.0), widest)
-        i, j = np.int32(a), np.int32(b)
-        a, b = a - np.float64(i), b - np.float64(j)
-        low = np.uint64(i) * line + np.uint64(j)
-        near, far = flat[low], flat[low + line]
-        across, beyond = flat[low + ONE] - near, flat[low + line + ONE] - far
+        i, j = np.float64(np.int32(a)), np.float64(np.int32(b))
+        band[LIGHT + n] = i * line + j
+        band[LIGHT_U + n], band[LIGHT_V + n] = a - i, b - j
+
+
+@part
+def read_nodes(disc: Floats, surface: Floats, band: Floats, count: int) -> None:
+    """Put the values at the nodes about each pixel in the place of the nodes."""
+    flat, line = surface.reshape(-1), np.uint64(surface.shape[1])
+    for n in range(np.uint64(count)):
+        node = np.uint64(np.int64(band[DISC + n]))
+        band[DISC + n], band[DISC_V + n] = disc[node], disc[node + ONE]
+        low = np.uint64(np.int64(band[LIGHT + n]))
+        band[LIGHT + n], band[L7 + n] = flat[low], flat[low + ONE]
+        band[L8 + n], band[BEYOND + n] = flat[low + line], flat[low + line + ONE]
+
+
+@part
+def blend_nodes(band: Floats, count: int, per_radius: float) -> None:
+    """Fill disc and light, and their derivatives, between the values at the nodes.
+
+    Parameters
+    ----------
+    per_radius
+        Nodes of the surface.
+    """
+    for n in range(np.uint64(count)):
+        start, share = band[DISC + n], band[DISC_U + n]
+        rise = band[DISC_V + n] - start
+        band[DISC + n] = start + share * rise
+        band[DISC_U + n] = 2.0 * SQUARE_STEPS * rise * band[DOWN + n]
+        band[DISC_V + n] = 2.0 * SQUARE_STEPS * rise * band[ACROSS + n]
+        near, far, a, b = band[LIGHT + n], band[L8 + n], band[LIGHT_U + n], band[LIGHT_V + n]
+        across, beyond = band[L7 + n] - near, band[BEYOND + n] - far
         near += b * across
         far += b * beyond
         band[LIGHT + n] = near + a * (far - near)
