@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -24,7 +25,6 @@ from analysis.balls.lens.lens import Lens, StraightFilm
 from analysis.balls.looking import Looked, TurnedLook
 from analysis.balls.measuring import MeasuredBall, measure_ball
 from analysis.balls.remarks import remarks
-from analysis.balls.seen.free_fall import bend_of
 from analysis.balls.seen.left_out import ThinnedError
 from analysis.balls.seen.repeats import BroughtToRateError
 from analysis.errors import ShotRefusedError
@@ -65,6 +65,12 @@ class FilmJob:
     cut: Cut | None = None
     lens: Lens | None = None
     raw: RawLayout | None = None
+
+
+MOST_OFF = 0.3
+"""Of places from the flights of their ball, rms, in radii: real films have 0.01 to 0.1."""
+LEAST_FOLLOWED = 2 / 3
+"""Of the frames from the first place to the last: those that have one."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -140,6 +146,13 @@ def analyse_held(film: Film, times: Floats, ball: Ball, exposure: float | None) 
     ShotRefusedError
         Nothing in it is a ball in flight.
     """
+    found = _held(film, times, ball, exposure)
+    _refuse_no_flights(found.measured)
+    return found
+
+
+def _held(film: Film, times: Floats, ball: Ball, exposure: float | None) -> AnalysedFilm:
+    """Measure an open film, whatever its flights leave of its places."""
     try:
         looked = Looked(film)
         measured = measure_ball(looked, times, ball, exposure)
@@ -169,12 +182,50 @@ def analyse_held(film: Film, times: Floats, ball: Ball, exposure: float | None) 
                 refusal.placed = refusal.place(film)
             raise
         return turned
-    if measured.bounces == 0 and _seen_elsewhere(measured) and not _falls_down(measured):
+    if measured.bounces == 0 and _seen_elsewhere(measured):
         turned = _turned(looked, times, ball, exposure, TURNS)
         if turned is not None and turned.measured.bounces:
             return turned
     even = _in_one_rate(film, measured, (times, ball, exposure)) if in_doubt(measured) else None
     return even or AnalysedFilm(film, measured, remarks(measured))
+
+
+def _refuse_no_flights(measured: MeasuredBall) -> None:
+    """Refuse places that lie off all flights and are few between the first and the last of them.
+
+    Hands throw and catch balls, and several balls that are taken for one are seen now and then. A
+    ball that is followed through all frames lies off its flights where the film's times are wrong.
+
+    Raises
+    ------
+    ShotRefusedError
+        With the frames, and how far off places are.
+    """
+    off = _off_flights(measured)
+    if not math.isfinite(off):
+        return
+    frames = np.concatenate([flights.observed.frames for _, flights in measured.surfaces])
+    first, last = int(frames.min()), int(frames.max())
+    if off < MOST_OFF or len(frames) > LEAST_FOLLOWED * (last - first + 1):
+        return
+    raise ShotRefusedError(
+        "flight",
+        f"what looks like the ball is seen in {len(frames)} of the frames {first} to {last}, and "
+        f"there lies {off:.2g} of its radius off free flights that bounce, root mean square: hands "
+        "move it, or several balls are taken for one; state a part of the film with one ball in "
+        "flight (--frames, --roi)",
+    )
+
+
+def _off_flights(measured: MeasuredBall) -> float:
+    """Return how far places lie off the flights that they fit best, root mean square, in radii."""
+    return min(
+        (
+            float(np.std(flights.residuals[flights.used], axis=0).max()) / measured.looks.radius_px
+            for _, flights in measured.surfaces
+        ),
+        default=math.inf,
+    )
 
 
 def _in_one_rate(
@@ -216,17 +267,6 @@ def _falls(measured: MeasuredBall) -> bool:
     return measured.flights is not None and measured.flights.scale_of_fall[1] < MOST_UNSURE_FALL
 
 
-def _falls_down(measured: MeasuredBall) -> bool:
-    """Return whether what flies surely falls as the film stands, though it does not bounce.
-
-    So does a ball that is thrown and caught: in the film turned otherwise hands would seem to throw
-    it down, and it to bounce.
-    """
-    search = measured.search
-    bent = bend_of(search.chain.arcs, search.looks, search.fall)
-    return bent is not None and bent[1] < MOST_UNSURE_FALL * bent[0]
-
-
 def _seen_elsewhere(measured: MeasuredBall) -> bool:
     """Return whether a ball is seen in more frames outside its one flight than in it."""
     flown = sum(len(arc.frames) for arc in measured.chain.arcs)
@@ -249,6 +289,7 @@ def _turned(
     A way in which the ball bounces goes before one in which it only flies; one flight of fewer
     frames than those in which the ball is seen elsewhere is none: so a ball moves that is pushed.
     Nor does a ball fall whose flights leave gravity open: so one moves that rolls, by its scatter.
+    Nor one whose places lie far off its flights: upside down, hands seem to throw balls down.
 
     Parameters
     ----------
@@ -264,7 +305,7 @@ def _turned(
             continue
         if measured.bounces == 0 and _seen_elsewhere(measured):
             continue
-        if not _falls(measured):
+        if not _falls(measured) or (measured.bounces and _off_flights(measured) > MOST_OFF):
             continue
         note = f"the film {TURNS[turns]}: rows and columns are those of the picture turned upright"
         if found is None or measured.bounces:

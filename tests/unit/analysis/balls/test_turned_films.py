@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,8 +16,7 @@ from analysis.balls.films.part import Cut, PartOfFilm
 from analysis.balls.flight.known import Ball
 from analysis.balls.looking import Looked
 from analysis.balls.measuring import MeasuredBall, measure_ball
-from analysis.balls.seen.arcs import Arc, Chain, Sightings
-from tests.unit.analysis.balls.test_joining import BALL as LOOKS
+from analysis.balls.seen.arcs import Sightings
 from tests.unit.cli.falling_ball import DIAMETER_MM, FALL, RATE, bouncing, picture
 
 BALL = Ball(1e-3 * DIAMETER_MM)
@@ -42,32 +40,6 @@ def test_a_film_of_a_ball_that_rolls_is_measured_once(measured: list[Film]) -> N
     with pytest.raises(CarriedError, match="rolls or slides"):
         analyse_held(HeldFilm(Path("film"), shown), np.arange(60) / RATE, BALL, 0.0)
     assert len(measured) == 1
-
-
-@pytest.mark.parametrize(("bends", "looks"), [(1.0, 1), (0.0, 4)])
-def test_a_film_in_which_a_ball_surely_falls_and_does_not_bounce_is_measured_no_other_way(
-    bends: float, looks: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A ball that is thrown and caught: upside down hands would seem to throw it down."""
-    fall, gone = np.array([bends * FALL, 0.0]), np.arange(40) / RATE
-    places = np.stack([60.0 + 0.5 * fall[0] * gone**2, np.full(40, 60.0)], axis=1)
-    flight = Chain((Arc(np.arange(40), gone, places, 40.0),), np.zeros(0), np.zeros((0, 2)))
-    held = np.zeros((99, 3))
-    search = SimpleNamespace(
-        chain=flight, looks=LOOKS, fall=np.array([FALL, 0.0]), unexplained=held
-    )
-    films: list[object] = []
-
-    def found(looked: object, *_: object) -> object:
-        films.append(looked)
-        return SimpleNamespace(bounces=0, flights=None, chain=flight, search=search)
-
-    monkeypatch.setattr(analysis, "measure_ball", found)
-    monkeypatch.setattr(analysis, "in_doubt", lambda _: False)
-    monkeypatch.setattr(analysis, "remarks", lambda _: ())
-    film = HeldFilm(Path("film"), np.array([picture(60.0)] * 8))
-    analyse_held(film, np.arange(8) / RATE, BALL, 0.0)
-    assert len(films) == looks
 
 
 @pytest.mark.parametrize("turns", [1, 2, 3])
