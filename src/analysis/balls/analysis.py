@@ -204,8 +204,9 @@ def _refuse_no_flights(measured: MeasuredBall) -> None:
     off = _off_flights(measured)
     if not math.isfinite(off):
         return
-    frames = np.concatenate([flights.observed.frames for _, flights in measured.surfaces])
-    first, last = int(frames.min()), int(frames.max())
+    # A flight between two surfaces belongs to both.
+    frames = np.unique(np.concatenate([each.observed.frames for _, each in measured.surfaces]))
+    first, last = int(frames[0]), int(frames[-1])
     if off < MOST_OFF or len(frames) > LEAST_FOLLOWED * (last - first + 1):
         return
     raise ShotRefusedError(
