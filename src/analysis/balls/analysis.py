@@ -242,7 +242,7 @@ def _in_one_rate(
     times, ball, exposure = asked
     stretches = even_stretches(measured, times, ball)
     for first, last in stretches:
-        if last - first + 1 == film.head.frames:
+        if last - first + 1 == film.head.frames or _flown(measured) == (first, last):
             continue
         part = PartOfFilm(film, Cut(first, last + 1))
         try:
@@ -261,6 +261,17 @@ def _in_one_rate(
             said += f"; as even are frames {', '.join(others)} (--frames)"
         return AnalysedFilm(part, own, (said, *remarks(own)))
     return None
+
+
+def _flown(measured: MeasuredBall) -> tuple[int, int] | None:
+    """Return the first and the last frame of flights that bounce; None where none do.
+
+    A stretch of just these frames holds nothing that was not measured.
+    """
+    if measured.bounces == 0:
+        return None
+    arcs = measured.chain.arcs
+    return int(arcs[0].frames[0]), int(arcs[-1].frames[-1])
 
 
 def _falls(measured: MeasuredBall) -> bool:

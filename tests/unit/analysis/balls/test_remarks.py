@@ -3,23 +3,29 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
+import pytest
 
 from analysis.arrays import Floats
+from analysis.balls import analysis
+from analysis.balls.analysis import analyse_held
 from analysis.balls.even import even_stretches, in_doubt
-from analysis.balls.films.film import FilmHead
+from analysis.balls.films.film import FilmHead, HeldFilm
 from analysis.balls.flight.fit import fit_flights
 from analysis.balls.flight.flights import Flights
 from analysis.balls.flight.known import Ball
 from analysis.balls.found import Search
-from analysis.balls.measuring import MeasuredBall
+from analysis.balls.looking import Looked
+from analysis.balls.measuring import MeasuredBall, measure_ball
 from analysis.balls.remarks import remarks
 from analysis.balls.seen.arcs import Arc, Chain
 from analysis.balls.seen.looks import Looks
 from analysis.balls.seen.placing import Placed
 from tests.unit.analysis.balls.parabolas import BOUNCES, PLATE, RATE, known, parabolas, start
-from tests.unit.cli.falling_ball import DIAMETER_MM, bouncing
+from tests.unit.cli import falling_ball
+from tests.unit.cli.falling_ball import DIAMETER_MM, bouncing, picture
 
 HEIGHT, WIDTH, RADIUS = 1080, 1920, 46.0
 
@@ -162,6 +168,29 @@ def test_stretches_of_a_film_in_which_its_rate_holds_are_told_by_how_the_ball_fa
     assert b > 250
     assert c == 0
     assert 90 < d < 110
+
+
+def test_a_film_whose_places_scatter_is_measured_once_where_all_flights_keep_its_rate(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Places that scatter by 1.5 px look like frames that are missing, as those of codecs do."""
+    seen: list[MeasuredBall] = []
+
+    def kept(looked: Looked, *known: object) -> MeasuredBall:
+        seen.append(measure_ball(looked, *known))  # type: ignore[arg-type]
+        return seen[-1]
+
+    monkeypatch.setattr(analysis, "measure_ball", kept)
+    off = np.random.default_rng(0).normal(0.0, 1.5, 150)
+    shown = [picture(row) for row in (np.array(bouncing(150)) + off).tolist()]
+    gone = [picture(-100.0)] * 12
+    times = np.arange(len(shown) + len(gone)) / falling_ball.RATE
+    ball = Ball(1e-3 * DIAMETER_MM)
+    found = analyse_held(HeldFilm(Path("film"), np.array(shown + gone)), times, ball, 0.0)
+    assert found.measured.bounces == 1
+    assert in_doubt(found.measured)
+    assert even_stretches(found.measured, times, ball) == [(0, 149)]
+    assert seen == [found.measured]
 
 
 def test_a_ball_that_rises_a_little_when_the_film_ends_does_not_rest() -> None:
