@@ -59,9 +59,8 @@ def measuring_notes(tracking: Tracking, setup: Setup, sides: TwoSides) -> tuple[
         for k, reason in sorted(orientations.left_out.items()):
             notes.append(f"frame {k} has no orientation of sphere {name}: {reason}")
     notes += sides.heights
-    if sides.false_spins is not None:
-        notes.append(f"no spins of sphere {sides.false_spins}: {FALSE_SPINS}")
-    elif sides.impact.v_s is None:
+    notes += [f"no spins of sphere {name}: {FALSE_SPINS}" for name in sides.false_spins]
+    if not sides.false_spins and sides.impact.v_s is None:
         notes.append("no surface velocities: too few orientations tell the spins")
     return tuple(gathered(notes))
 

@@ -71,7 +71,7 @@ class TwoSides:
     astray
         Sphere and number of frames whose orientations contradict the others of their side.
     false_spins
-        Sphere whose spins the impulse or the other sphere's spins contradict; they are not
+        Spheres whose spins the impulse or the other sphere's spins contradict; they are not
         measured.
     heights
         By what a sphere that the top view does not show after contact has its height; sentences.
@@ -88,7 +88,7 @@ class TwoSides:
     between: tuple[int, ...]
     wild: tuple[tuple[str, int], ...]
     astray: tuple[tuple[str, int], ...]
-    false_spins: str | None
+    false_spins: tuple[str, ...]
     heights: tuple[str, ...]
     flight_chi2: Floats
     spin_chi2: Floats
@@ -150,7 +150,7 @@ def measure_two_sides(
             check_free_flight(left, side, i, path, most_chi2)
     impact = _impact(motions, scene, depth_seen=depth_seen)
     false = contradicted(impact, scene.bodies, depth_seen=depth_seen)
-    if false is not None:
+    if false:
         motions = _without_spins(motions, false)
         impact = _impact(motions, scene, depth_seen=depth_seen)
     check_possible(impact)
@@ -163,7 +163,7 @@ def measure_two_sides(
         between=tuple(map(int, between)),
         wild=_named(poses, wild),
         astray=_named(poses, astray),
-        false_spins=None if false is None else "ab"[false],
+        false_spins=tuple("ab"[sphere] for sphere in false),
         heights=heights,
         flight_chi2=np.array([p.chi2_per_dof for m in motions for p in (m.before, m.after)]),
         spin_chi2=np.array(
@@ -198,9 +198,9 @@ def _impact(motions: Sequence[Motion], scene: Scene, *, depth_seen: bool) -> Imp
         raise never_meet(miss, scene.radii) from miss
 
 
-def _without_spins(motions: Sequence[Motion], sphere: int) -> tuple[Motion, ...]:
+def _without_spins(motions: Sequence[Motion], spheres: Sequence[int]) -> tuple[Motion, ...]:
     return tuple(
-        replace(motion, spin_before=None, spin_after=None) if i == sphere else motion
+        replace(motion, spin_before=None, spin_after=None) if i in spheres else motion
         for i, motion in enumerate(motions)
     )
 

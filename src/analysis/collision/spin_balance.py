@@ -8,17 +8,23 @@ other sphere, which the same impulse turns.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
+from scipy.optimize import lsq_linear
 
 from analysis.arrays import Floats
 from analysis.collision.coefficients import Impact
 from analysis.collision.operator import Body
+from analysis.setup import HOLLOW_SHELL
 
 ALONG_Z = np.array([0.0, 0.0, 1.0])
 MOST_OFF, AGREES = 3.0, 1.0
 """Of what errors allow: spins off by more contradict the impulse that velocities show, where the
-other sphere's agree with it. A law of contact that the balance lacks, as a moment of its own, would
-bring both off alike."""
+other sphere's agree with it, or the sum of both is off as well."""
+HEAVY_CORE = 0.2
+"""Least moment of inertia of a ball, over m R^2: all its mass within 0.7 of its radius. A ball may
+differ from what is stated of it as far as to that, or to a hollow shell: its shots show that."""
 MOST_APART, LESS_SURE, MORE_OFF, OFF = 0.8, 2.0, 3.0, 0.5
 """Of what errors and moments allow: spins of a and b whose changes differ by more contradict each
 other (right ones do by 0.3 at most). Wrong are those of so many times the other's error, or those
@@ -28,24 +34,26 @@ NORMAL_TURNS = 0.01
 """Share of the impulse that the normal turns by during a contact of unknown length, at least."""
 
 
-def contradicted(impact: Impact, bodies: tuple[Body, Body], *, depth_seen: bool) -> int | None:
-    """Return the sphere, 0 for a and 1 for b, whose spins are wrong; None where none are.
+def contradicted(impact: Impact, bodies: tuple[Body, Body], *, depth_seen: bool) -> tuple[int, ...]:
+    """Return the spheres, 0 for a and 1 for b, whose spins are wrong.
 
     They contradict the impulse that velocities show, with which the other sphere's agree; or both
-    contradict each other, and its are by far the less sure ones, or further off velocities.
+    contradict each other, and its are by far the less sure ones, or further off velocities. Both
+    are wrong where the sum of both contradicts the impulse.
     """
     off = spins_off(impact, bodies, depth_seen=depth_seen)
     worst = int(np.nan_to_num(off).argmax())
     if off[worst] > MOST_OFF and off[1 - worst] < AGREES:
-        return worst
+        return (worst,)
     # Not a number where a spin is not measured: then there is no comparison.
-    if not spins_apart(impact, bodies) > MOST_APART:
-        return None
-    errors = np.linalg.norm(impact.state_sigma[:, 2:], axis=(0, 2))
-    unsure = int(errors.argmax())
-    if errors[unsure] > LESS_SURE * errors[1 - unsure]:
-        return unsure
-    return worst if off[worst] > max(OFF, MORE_OFF * off[1 - worst]) else None
+    if spins_apart(impact, bodies) > MOST_APART:
+        errors = np.linalg.norm(impact.state_sigma[:, 2:], axis=(0, 2))
+        unsure = int(errors.argmax())
+        if errors[unsure] > LESS_SURE * errors[1 - unsure]:
+            return (unsure,)
+        if off[worst] > max(OFF, MORE_OFF * off[1 - worst]):
+            return (worst,)
+    return (0, 1) if sum_off(impact, bodies, depth_seen=depth_seen) > MOST_OFF else ()
 
 
 def spins_apart(impact: Impact, bodies: tuple[Body, Body]) -> float:
@@ -83,21 +91,64 @@ def spins_off(impact: Impact, bodies: tuple[Body, Body], *, depth_seen: bool) ->
     depth_seen
         Whether Z was measured.
     """
-    before, after = impact.before, impact.after
-    changes = after.velocity_a - before.velocity_a, after.velocity_b - before.velocity_b
-    spins = after.spin_a - before.spin_a, after.spin_b - before.spin_b
+    changes = _changes(impact, bodies, depth_seen=depth_seen)
+    return np.asarray((np.abs(changes.seen - changes.asked) / changes.errors).max(axis=1))
+
+
+def sum_off(impact: Impact, bodies: tuple[Body, Body], *, depth_seen: bool) -> float:
+    """Return by how much the spins of both spheres together are off, over what errors allow.
+
+    Whatever acts between the spheres, a moment at their contact included, both together change
+    their angular momentum as the impulse does,
+    I_a (w_a' - w_a) + I_b (w_b' - w_b) = -(R_a + R_b) n x J. Moments of inertia are any that a ball
+    may have, from HEAVY_CORE to HOLLOW_SHELL. Not a number where a spin is not measured, and with a
+    plate.
+    """
+    changes = _changes(impact, bodies, depth_seen=depth_seen)
+    if not np.isfinite([changes.seen, changes.asked]).all():
+        return float("nan")
+    inertia = np.array([body.inertia for body in bodies])
+    shell = np.array([body.mass * body.radius**2 for body in bodies])
+    errors = inertia @ changes.errors
+    fitted = lsq_linear(
+        (changes.seen / errors).T,
+        inertia @ changes.asked / errors,
+        (HEAVY_CORE * shell, HOLLOW_SHELL * shell),
+    )
+    return float(np.abs(fitted.fun).max())
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Changes:
+    """Changes of both spheres' spins across the normal; without depth about Z alone, rad/s.
+
+    `seen` are those of orientations, `asked` those of the impulse that velocities show, `errors`
+    what both leave open. Each shape (2, 3), not a number where it is not known.
+    """
+
+    seen: Floats
+    asked: Floats
+    errors: Floats
+
+
+def _changes(impact: Impact, bodies: tuple[Body, Body], *, depth_seen: bool) -> _Changes:
+    before, after, normal = impact.before, impact.after, impact.normal
+    pushed = np.stack([after.velocity_a - before.velocity_a, after.velocity_b - before.velocity_b])
+    turned = np.stack([after.spin_a - before.spin_a, after.spin_b - before.spin_b])
+    levers = [
+        np.nan if body.is_plate else body.mass * body.radius / body.inertia for body in bodies
+    ]
+    gains = np.array(levers)[:, None] * [[1.0], [-1.0]]
+    asked = gains * np.cross(normal, pushed)
     errors = np.linalg.norm(impact.state_sigma, axis=0)
-    unsure = _normal_turns(impact, bodies)
-    off = np.full(2, np.nan)
-    for i, body in enumerate(bodies):
-        if body.is_plate or not np.isfinite(spins[i]).all():
-            continue
-        gain = (1.0 if i == 0 else -1.0) * body.mass * body.radius / body.inertia
-        left = spins[i] - gain * np.cross(impact.normal, changes[i])
-        left = left - (left @ impact.normal) * impact.normal if depth_seen else left * ALONG_Z
-        speed = np.linalg.norm(errors[i]) + unsure * np.linalg.norm(changes[i])
-        off[i] = np.max(np.abs(left) / np.hypot(errors[2 + i], abs(gain) * speed))
-    return off
+    speeds = np.linalg.norm(errors[:2], axis=1) + _normal_turns(impact, bodies) * np.linalg.norm(
+        pushed, axis=1
+    )
+    unsure = np.hypot(errors[2:], np.abs(gains) * speeds[:, None])
+    if depth_seen:
+        across = np.eye(3) - np.outer(normal, normal)
+        return _Changes(turned @ across, asked @ across, unsure)
+    return _Changes(turned * ALONG_Z, asked * ALONG_Z, unsure)
 
 
 def _normal_turns(impact: Impact, bodies: tuple[Body, Body]) -> float:

@@ -157,7 +157,7 @@ class UnseenDepth:
                 by_law = TURN_SIGMA * as_turned[2] if which else 0.0
                 along = covariance @ slope
                 variance = float(slope @ along) + by_turn**2 + by_law**2
-                if 0.0 < value**2 <= MOST_OFF**2 * variance:
+                if variance > 0.0 and value**2 <= MOST_OFF**2 * variance:
                     centre = centre - along * (value / variance)
                     covariance = covariance - np.outer(along, along) / variance
                     common = common - np.outer(common @ slope, along / variance)

@@ -25,6 +25,7 @@ NEAR, NEAR_PX = 0.25, 2.0
 LEAST_DISCS = 3
 MOST_MISSES = 2
 LEADING = 5
+LAST = slice(-LEADING, None)
 """Discs at the end of a flight that carry it on: longer ones bend by drag."""
 LEAST_WAY = 1.0
 """Radii that a flight covers; less may be something that stands still."""
@@ -194,9 +195,13 @@ def _flights(
     return a, a if alike else free_flights(places[1], radii[1], falling)
 
 
-def _touch(a: Flight, b: Flight, reach: float, falling: Falling) -> float | None:
-    """Return when two flights, carried on beyond their ends, come to touch, s; None if never."""
-    (at_a, v_a), (at_b, v_b) = (own.line(slice(-LEADING, None), falling) for own in (a, b))
+Course = tuple[Floats, Floats]
+"""Place and velocity at time 0, gravity taken out, pixels and pixels a second."""
+
+
+def _closest(courses: tuple[Course, Course], reach: float) -> float | None:
+    """Return when two courses come within a reach of each other, s; None if never."""
+    (at_a, v_a), (at_b, v_b) = courses
     apart, closing = at_b - at_a, v_b - v_a
     speed2 = float(closing @ closing)
     if speed2 == 0.0:
@@ -205,7 +210,14 @@ def _touch(a: Flight, b: Flight, reach: float, falling: Falling) -> float | None
     miss2 = float(((apart + closing * nearest) ** 2).sum())
     if miss2 > (TOUCH * reach) ** 2:
         return None
-    touch = nearest - float(np.sqrt(max(reach**2 - miss2, 0.0) / speed2))
+    return nearest - float(np.sqrt(max(reach**2 - miss2, 0.0) / speed2))
+
+
+def _touch(a: Flight, b: Flight, reach: float, falling: Falling) -> float | None:
+    """Return when two flights, carried on beyond their ends, come to touch, s; None if never."""
+    touch = _closest((a.line(LAST, falling), b.line(LAST, falling)), reach)
+    if touch is None:
+        return None
     slack = SLACK_FRAMES * float(np.median(np.diff(falling.times_s)))
     ends = [falling.times_s[own.frames[-1]] for own in (a, b)]
     return touch if max(ends) < touch + slack else None
@@ -217,7 +229,7 @@ def _leaves(after: Flight, before: Flight, touch_s: float, radius: float, fallin
     if falling.times_s[after.frames[0]] < touch_s - slack:
         return False
     place, velocity = after.line(slice(LEADING), falling)
-    came, speed = before.line(slice(-LEADING, None), falling)
+    came, speed = before.line(LAST, falling)
     off = place - came + (velocity - speed) * touch_s
     return bool(np.hypot(*off) < MEETING * radius)
 
@@ -227,6 +239,8 @@ def mirrored(
 ) -> tuple[list[Flight], list[Flight]]:
     """Return the discs of a and of b in the mirror's view, one flight or two of each.
 
+    Where both are seen before the contact, what is seen after it begins where they touch: spheres
+    that are near each other there have like columns, and either one's disc lies in the other's.
     What flies off toward the camera may show one disc there after contact, which no other bears
     out. It is the sphere's where its columns hold no second one, and the other sphere's not it.
 
@@ -237,24 +251,70 @@ def mirrored(
     shift
         What is added to a column of the front view, pixels.
     """
+
+    def seen_of(i: int, flight: Flight) -> Seen:
+        return _in_columns(flight, places[i], SAME_COLUMN * radii[i], shift)
+
+    reaches = [max(NEAR * radius, NEAR_PX) for radius in radii]
+    came = [
+        _on_a_line(seen_of(i, before), reach, falling)
+        for i, ((before, _), reach) in enumerate(zip(four, reaches, strict=True))
+    ]
+    begins = _mirrored_touch((four[0][0], four[1][0]), came, sum(radii), falling)
     found: tuple[list[Flight], list[Flight]] = ([], [])
-    for i, (before, after) in enumerate(four):
-        other = four[1 - i][1]
-        for flight in (before, after):
-            seen = _in_columns(flight, places[i], SAME_COLUMN * radii[i], shift)
-            own = _on_a_line(seen, max(NEAR * radii[i], NEAR_PX), falling)
-            if own is None and flight is after and len(seen) == 1:
-                ((k, row, column),) = seen
-                apart = abs(other.at(k, falling)[1] + shift - column)
-                if apart > SAME_COLUMN * (radii[0] + radii[1]):
-                    own = Flight(np.array([k]), np.array([(row, column)]))
-            if own is not None:
-                found[i].append(own)
+    for i, (_, after) in enumerate(four):
+        seen, other = seen_of(i, after), four[1 - i][1]
+        left = _on_a_line(seen, reaches[i], falling, begins[i])
+        if left is None and len(seen) == 1:
+            ((k, row, column),) = seen
+            apart = abs(other.at(k, falling)[1] + shift - column)
+            if apart > SAME_COLUMN * (radii[0] + radii[1]):
+                left = Flight(np.array([k]), np.array([(row, column)]))
+        found[i].extend(own for own in (came[i], left) if own is not None)
     return found
 
 
 Seen = list[tuple[int, float, float]]
 """Frame, row and column of discs."""
+Begin = tuple[float, float] | None
+"""Time, s, and row in the mirror's view in which a flight after the contact begins; None: open."""
+
+
+def _mirrored_touch(
+    before: tuple[Flight, Flight], came: Sequence[Flight | None], reach: float, falling: Falling
+) -> tuple[Begin, Begin]:
+    """Return where both spheres touch in the mirror's view, by what it shows of them before.
+
+    Parameters
+    ----------
+    before
+        Flights of a and b in the front view.
+    came
+        The same in the mirror's view; None where it does not show one.
+    reach
+        Distance of the centres at touch, pixels.
+    """
+    a, b = came
+    if a is None or b is None:
+        return None, None
+    heights = _height(a, falling), _height(b, falling)
+
+    def in_space(flight: Flight, height: tuple[float, float]) -> Course:
+        place, velocity = flight.line(LAST, falling)
+        return np.append(place, height[0]), np.append(velocity, height[1])
+
+    touch = _closest((in_space(before[0], heights[0]), in_space(before[1], heights[1])), reach)
+    if touch is None:
+        return None, None
+    first, second = (row + slope * touch for row, slope in heights)
+    return (touch, first), (touch, second)
+
+
+def _height(mirrored: Flight, falling: Falling) -> tuple[float, float]:
+    """Return row and its rate at time 0 of discs in the mirror's view, in which nothing falls."""
+    times, rows = falling.times_s[mirrored.frames[LAST]], mirrored.places[LAST, 0]
+    slope, row = np.polyfit(times, rows, 1)
+    return float(row), float(slope)
 
 
 def _in_columns(flight: Flight, places: Places, reach: float, shift: float) -> Seen:
@@ -266,7 +326,7 @@ def _in_columns(flight: Flight, places: Places, reach: float, shift: float) -> S
     return seen
 
 
-def _on_a_line(seen: Seen, reach: float, falling: Falling) -> Flight | None:
+def _on_a_line(seen: Seen, reach: float, falling: Falling, begin: Begin = None) -> Flight | None:
     """Return those discs whose rows lie on one straight line, two at least."""
     best: Seen = []
     times = falling.times_s
@@ -274,6 +334,8 @@ def _on_a_line(seen: Seen, reach: float, falling: Falling) -> Flight | None:
         if k == m:
             continue
         slope = (other - row) / (times[m] - times[k])
+        if begin is not None and abs(row + slope * (begin[0] - times[k]) - begin[1]) > reach:
+            continue
         borne = {
             n: (n, r, c) for n, r, c in seen if abs(r - row - slope * (times[n] - times[k])) < reach
         }

@@ -23,13 +23,13 @@ BEFORE = np.array([[0.0, 45.0], [0.0, -38.0]])
 """Pixels a frame, of a and b: more than four radii."""
 
 
-def collision(after: Floats) -> Floats:
+def collision(after: Floats, touch: Floats = TOUCH) -> Floats:
     """Return the places of a and b, pixels, shape (2, frames, 2)."""
     since = np.arange(FRAMES)[:, None] - CONTACT
     gained = FALLING.gravity_px / 250.0**2
     fallen = np.concatenate([0.5 * gained * since**2 + 4.0 * since, 0.0 * since], axis=1)
     return np.stack(
-        [TOUCH[i] + fallen + since * np.where(since < 0, BEFORE[i], after[i]) for i in (0, 1)]
+        [touch[i] + fallen + since * np.where(since < 0, BEFORE[i], after[i]) for i in (0, 1)]
     )
 
 
@@ -145,3 +145,23 @@ def test_one_disc_in_the_mirror_after_contact_is_taken_where_it_can_be_no_others
     a, b = mirrored(four, (discs, discs), (RADIUS, RADIUS), 3.0, FALLING)
     assert len(a) == 1
     assert len(b) == 2
+
+
+def test_spheres_that_leave_side_by_side_have_their_own_discs_in_the_mirror() -> None:
+    """They touch one before the other: their columns are alike, and the mirror tells them apart."""
+    touch = np.array([[293.0, 398.0], [307.0, 402.0]])
+    paths = collision(np.array([[-35.0, 5.0], [36.0, 4.0]]), touch)
+    direct = shown(paths, np.random.default_rng(0))
+    four = meeting((direct, direct), VIEW, (RADIUS, RADIUS), FALLING)
+    assert four is not None
+    since = np.arange(FRAMES) - CONTACT
+    left = np.where(since > 0, 15.0 * since, 0.0)
+    rows = np.stack([56.5 + left, 43.5 - left])
+    rows[:, 13:] = np.nan
+    places = np.stack([rows, paths[..., 1]], axis=-1)
+    for order in (1, -1):
+        discs = [places[::order, k][np.isfinite(rows[:, k])] for k in range(FRAMES)]
+        found = mirrored(four, (discs, discs), (RADIUS, RADIUS), 0.0, FALLING)
+        for i, flown in enumerate(found):
+            seen = np.concatenate([own.places for own in flown])
+            np.testing.assert_allclose(seen, places[i, :13])
