@@ -38,9 +38,10 @@ CLOSE_PX = 1.5
 FAR = 3.0
 """A disc whose motion is not known yet is looked for within this many radii in the end."""
 STEPS = 2
-REVERSAL = 2.5
-"""A light sphere may come back from a heavy one faster than it came: it is looked for within so
-many of its steps since it was last seen."""
+REVERSAL = 4.0
+"""A light sphere may come back from a heavy one faster than it came: of like speeds its own changes
+by less than four times as much. It is looked for within so many of its steps since it was last
+seen."""
 APART = 0.6
 """Of both radii together: nearer to a disc that was found, a far place is that disc again."""
 MOST_GROWTH = 0.15
@@ -98,9 +99,9 @@ def predict(circles: Floats, coverage: Floats, k: int, direction: int, place: Fl
 def far_reach(circles: Floats, coverage: Floats, k: int, direction: int, radius: float) -> float:
     """Return how far a disc may be from where free flight takes it, pixels.
 
-    That is `REACH` of its radius, unless it moves farther than that from frame to frame (in a
-    frame of the contact it hardly does: the frame before that counts too), or its motion is not
-    known yet.
+    That is `REACH` of its radius, unless a contact may change its motion by more than that from
+    frame to frame (in a frame of the contact it hardly moves: the frame before that counts too), or
+    its motion is not known yet.
     """
     nearest, later, step = -1, -1, -1.0
     j, steps = k - direction, 0
@@ -117,7 +118,8 @@ def far_reach(circles: Floats, coverage: Floats, k: int, direction: int, radius:
         j -= direction
     if steps < STEPS:
         return max(FAR * radius, REVERSAL * step)
-    return REVERSAL * step * abs(k - nearest) if step > REACH * radius else 0.0
+    reach = REVERSAL * step * abs(k - nearest)
+    return reach if reach > REACH * radius else 0.0
 
 
 @part
