@@ -31,6 +31,10 @@ SEEN_RADII, SEEN_PX = 0.03, 0.3
 SURELY, FINEST = 12.0, 1 / 3
 """Evidence of a flight that is none by chance, and the least scatter that counts, in errors of a
 place: sightings are rounded to pixels of their own."""
+TOGETHER, KNOWN_BEND, IN_FLIGHT = 24.0, 0.1, 0.8
+"""Evidence of short flights that are none by chance together; the error of a flight's bend, as a
+share of it, up to which it is known; and the share of the frames from first to last, of flights and
+of all, in which a ball that bounces is seen in flight."""
 AT_BOUNCE, LEAST_CLEAR = 2, 12
 """Places next to a bounce, which may lie on its other side, and sightings of a flight that is long
 enough to go without them."""
@@ -87,9 +91,23 @@ def falls(chain: Chain, looks: Looks, fall: Floats) -> bool:
 
 
 def by_no_chance(chain: Chain, looks: Looks, fall: Floats) -> bool:
-    """Return whether one of a chain's flights surely is none by chance."""
-    each = (_evidence(_clear(arc, looks.radius_px, fall), looks) for arc in chain.arcs)
-    return max(each, default=0.0) >= SURELY
+    """Return whether one of a chain's flights surely is none by chance, or all together are none.
+
+    A ball that bounces is in flight nearly all the time, and all its flights bend alike. Pieces of
+    falls that a hand or clutter goes through have others between them, and bend in their own ways.
+    """
+    each = [_evidence(_clear(arc, looks.radius_px, fall), looks) for arc in chain.arcs]
+    if max(each, default=0.0) >= SURELY:
+        return True
+    if sum(each) < TOGETHER:
+        return False
+    ends = [(int(arc.frames.min()), int(arc.frames.max()) + 1) for arc in chain.arcs]
+    lasts = sum(end - begin for begin, end in ends)
+    whole = max(end for _, end in ends) - min(begin for begin, _ in ends)
+    seen = sum(len(arc.frames) for arc in chain.arcs)
+    if seen < IN_FLIGHT * max(lasts, whole):
+        return False
+    return agreeing(chain, looks, fall, KNOWN_BEND)[1] == len(chain.arcs)
 
 
 def _evidence(arc: Arc, looks: Looks) -> float:

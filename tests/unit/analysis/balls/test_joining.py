@@ -18,6 +18,8 @@ from tests.unit.cli.falling_ball import bouncing
 Floats = NDArray[np.float64]
 
 RATE, FALL, RADIUS, SHAPE = 200.0, np.array([2800.0, 0.0]), 14.0, (400, 200)
+SMALL_FALL = np.array([1900.0, 0.0])
+"""Of a ball of 6 px."""
 
 
 def arc(first: int, rows: Floats) -> Arc:
@@ -196,6 +198,37 @@ def test_what_goes_hither_and_thither_does_not_fall_though_pieces_of_falls_go_th
     frames = np.arange(7)
     flight = Arc(frames, frames / rate, np.stack([hop, np.full(7, 60.0)], axis=1), 7.0)
     assert falls(Chain((flight,), np.zeros(0), np.zeros((0, 2))), looks, fall)
+
+
+def hops(bends: list[float], apart: int) -> tuple[Chain, Looks]:
+    """A small ball at 10 frames/s: each flight has five sightings, and none between."""
+    rate, noise, found = 10.0, np.random.default_rng(5), []
+    for k, bend in enumerate(bends):
+        frames = np.arange(5) + k * (5 + apart)
+        rows = 200.0 + 0.5 * bend * SMALL_FALL[0] * ((np.arange(5) - 2.0) / rate) ** 2
+        rows += noise.normal(0.0, 0.15, 5)
+        places = np.column_stack([rows, 40.0 + frames + noise.normal(0.0, 0.15, 5)])
+        found.append(Arc(frames, frames / rate, places, 5.0))
+    looks = Looks(6.0, 0.2, np.ones((6, 1)), np.ones((1, 1)), np.ones(1), ())
+    return Chain(tuple(found), np.zeros(len(found) - 1), np.zeros((len(found) - 1, 2))), looks
+
+
+def test_short_flights_that_bend_alike_and_follow_each_other_are_none_by_chance() -> None:
+    """Each one alone might be: a few sightings lie on some fall in any clutter."""
+    chain, looks = hops([1.0, 1.0, 0.97, 0.95], apart=0)
+    assert falls(chain, looks, SMALL_FALL)
+    alone, _ = hops([1.0], apart=0)
+    assert not falls(alone, looks, SMALL_FALL)
+
+
+@pytest.mark.parametrize(
+    ("bends", "apart"), [([1.0, 1.0, 0.97, 0.95], 3), ([1.0, 0.75, 1.25, 0.9], 0)]
+)
+def test_short_pieces_far_apart_or_each_of_its_own_fall_are_no_flights_together(
+    bends: list[float], apart: int
+) -> None:
+    chain, looks = hops(bends, apart)
+    assert not falls(chain, looks, SMALL_FALL)
 
 
 BALL = Looks(RADIUS, 0.3, np.ones((6, 1)), np.ones((1, 1)), np.ones(1), ())
