@@ -11,10 +11,14 @@ from analysis.arrays import Floats
 from analysis.errors import ShotRefusedError
 from analysis.motion.frame_notes import gathered
 from analysis.motion.poses import Centres
-from analysis.motion.tears import BEYOND, LESS_CERTAIN, OFF, UNCERTAIN, torn
+from analysis.motion.tears import BEYOND, LESS_CERTAIN, OFF, UNCERTAIN, label_side
 
 Frames = NDArray[np.intp]
 
+AIR_SLOWS = 1e-3
+"""Deceleration by the air over the square of the speed, times the diameter, at most: that of a
+sphere half as dense as water (3/4 of its coefficient of drag and of the air's density over its
+own)."""
 NEAR, PRESSED = 1.3, 0.993
 """Distances of the centres, in that at touch: beyond the first no contact is, within the second
 the spheres press each other, whatever the scale is off."""
@@ -50,7 +54,8 @@ def cut_tears(
         return {}, {}
     pressed = {int(k): IN_CONTACT for k in common[slice(*span)]} if span[1] - span[0] > 1 else {}
     ends = int(common[span[0]]), int(common[span[1] - 1])
-    a, b = (_left_out(own, times_s, gravity, ends) for own in centres)
+    slows = AIR_SLOWS / touch_m
+    a, b = (_left_out(own, (times_s, gravity, slows), ends) for own in centres)
     return pressed | a, pressed | b
 
 
@@ -131,18 +136,25 @@ def _contact(distance: Floats, pressed: NDArray[np.bool_]) -> tuple[int, int] | 
 
 
 def _left_out(
-    own: Centres, times_s: Floats, gravity: float, contact: tuple[int, int]
+    own: Centres, flying: tuple[Floats, float, float], contact: tuple[int, int]
 ) -> dict[int, str]:
-    """Return the frames of one sphere that are no free flight outside a contact, and why."""
+    """Return the frames of one sphere that are no free flight outside a contact, and why.
+
+    Parameters
+    ----------
+    flying
+        Times of all frames, s, gravity, m/s^2, and by how much the air may slow it, 1/m.
+    """
+    times_s, gravity, slows = flying
     found: dict[int, str] = {}
     before = np.flatnonzero(own.frames < contact[0])[::-1]
     after = np.flatnonzero(own.frames > contact[1])
     for order, end in ((before, contact[0]), (after, contact[1])):
         frames = own.frames[order]
         tau = times_s[frames] - times_s[end]
-        straight = np.where(np.isfinite(own.sigma[order]), own.position[order], 0.0)
-        straight[:, 0] -= 0.5 * gravity * tau**2
-        labels = torn(tau, straight, np.ascontiguousarray(own.sigma[order]))
+        labels = label_side(
+            tau, own.position[order], own.sigma[order], gravity=gravity, slows_per_m=slows
+        )
         found |= {int(k): REASONS[int(n)] for k, n in zip(frames, labels, strict=True) if n}
     return found
 

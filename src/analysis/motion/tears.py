@@ -19,10 +19,12 @@ from numpy.typing import NDArray
 from analysis.arrays import Floats
 from analysis.compiled import compiled, part
 from analysis.motion.rotation import rotation_matrix, rotation_vector
+from analysis.motion.velocity import DOWN, slowed_by_drag
 
-Track = tuple[Floats, Floats, Floats]
-"""Time from the contact, s, shape (n,); centres with gravity taken out and their standard errors,
-m, shape (n, 3), infinite where a coordinate was not measured."""
+Track = tuple[Floats, Floats, Floats, Floats]
+"""Time from the contact, s, shape (n,); centres with gravity taken out, their standard errors,
+infinite where a coordinate was not measured, and how far the air may bend the track off a straight
+line, m, shape (n, 3)."""
 Labels = NDArray[np.int64]
 
 WINDOW = 25
@@ -38,13 +40,39 @@ IN_A_ROW = 3
 SOUND, OFF, UNCERTAIN, BEYOND = 0, 1, 2, 3
 
 
+def label_side(
+    tau: Floats, position: Floats, sigma: Floats, *, gravity: float, slows_per_m: float
+) -> Labels:
+    """Label the frames on one side of a contact, from it outward, as `torn` does.
+
+    Parameters
+    ----------
+    tau
+        Times from the contact, s, shape (n,).
+    position, sigma
+        Centres and standard errors, m, shape (n, 3); infinite where a coordinate was not measured.
+    gravity
+        m/s^2 along +X.
+    slows_per_m
+        Deceleration by the air over the square of the speed, at most.
+    """
+    known, sigma = np.isfinite(sigma), np.ascontiguousarray(sigma)
+    straight = np.where(known, position, 0.0) - 0.5 * gravity * np.outer(tau**2, DOWN)
+    steps, shown = np.diff(straight, axis=0) / np.diff(tau)[:, None], known[1:] & known[:-1]
+    velocity = np.zeros(3)
+    for axis in np.flatnonzero(shown.any(axis=0)):
+        velocity[axis] = np.median(steps[shown[:, axis], axis])
+    bent = slows_per_m * slowed_by_drag(tau, velocity, gravity * DOWN)
+    return np.asarray(torn(tau, straight, sigma, bent))
+
+
 @compiled
-def torn(tau: Floats, straight: Floats, sigma: Floats) -> Labels:
+def torn(tau: Floats, straight: Floats, sigma: Floats, bent: Floats) -> Labels:
     """Label the frames on one side of a contact, from it outward.
 
     Parameters
     ----------
-    tau, straight, sigma
+    tau, straight, sigma, bent
         Of a `Track`.
 
     Returns
@@ -52,7 +80,7 @@ def torn(tau: Floats, straight: Floats, sigma: Floats) -> Labels:
     SOUND, OFF, UNCERTAIN or BEYOND the end of the track, shape (n,). All are SOUND where there are
     fewer than LEAST.
     """
-    count, track = tau.size, (tau, straight, sigma)
+    count, track = tau.size, (tau, straight, sigma, bent)
     labels = np.zeros(count, dtype=np.int64)
     if count < LEAST:
         return labels
@@ -140,12 +168,13 @@ def beyond(track: Track, labels: Labels, among: tuple[int, int], k: int) -> floa
     labels, among
         The WINDOW frames nearest to it that are SOUND in this half-open range make the line.
     """
-    tau, straight, sigma = track
+    tau, straight, sigma, bent = track
     most = 0.0
     for axis in range(3):
         if not math.isfinite(sigma[k, axis]):
             continue
         found, weight, first, second, value, product = 0, 0.0, 0.0, 0.0, 0.0, 0.0
+        bow, skew = 0.0, 0.0
         for n in range(among[1] - among[0]):
             m = nearest(among, k, n)
             if labels[m] != SOUND or not math.isfinite(sigma[m, axis]) or found == WINDOW:
@@ -157,6 +186,8 @@ def beyond(track: Track, labels: Labels, among: tuple[int, int], k: int) -> floa
             second += own * late * late
             value += own * straight[m, axis]
             product += own * late * straight[m, axis]
+            bow += own * bent[m, axis]
+            skew += own * late * bent[m, axis]
         spread = weight * second - first * first
         if found < LEAST - 1 or not spread > 0.0:
             continue
@@ -164,7 +195,8 @@ def beyond(track: Track, labels: Labels, among: tuple[int, int], k: int) -> floa
         expected = (second * value - first * product) / spread
         error = math.sqrt(second / spread + sigma[k, axis] ** 2)
         off = abs(straight[k, axis] - expected)
-        most = max(most, off / (MOST_SIGMAS * error + MOST_OFF_M))
+        by_air = abs(bent[k, axis] - (second * bow - first * skew) / spread)
+        most = max(most, off / (MOST_SIGMAS * error + MOST_OFF_M + by_air))
     return most
 
 

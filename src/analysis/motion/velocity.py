@@ -222,7 +222,7 @@ def fit_flight(
     slowed = np.zeros_like(straight)
     state, bend, inverse, left, seen = fit_axes(tau, straight, slowed, sigmas, lasting)
     if drag.per_m > 0.0 or drag.sigma_per_m > 0.0:
-        slowed = _slowed(tau, state[1], fall)
+        slowed = slowed_by_drag(tau, state[1], fall)
         other = straight - drag.per_m * slowed
         state, bend, inverse, left, seen = fit_axes(tau, other, slowed, sigmas, lasting)
     chi2, freedom = _unexplained(left, drag.sigma_per_m), seen - 2
@@ -254,7 +254,7 @@ def _unexplained(left: Floats, sigma_per_m: float) -> Floats:
     return np.asarray(left[:, 0, 0] - 2.0 * more * both + more**2 * own)
 
 
-def _slowed(tau: Floats, velocity: Floats, fall: Floats) -> Floats:
+def slowed_by_drag(tau: Floats, velocity: Floats, fall: Floats) -> Floats:
     """Return -|v| v twice integrated from 0 to each time, v = velocity + fall tau, shape (n, 3)."""
     share, weight = NODES
     flown = velocity + fall * (tau[:, None] * share)[..., None]

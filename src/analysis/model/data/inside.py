@@ -18,7 +18,7 @@ from analysis.model.data.poses import PoseData
 from analysis.model.data.stream import CampaignData, PoseStream
 from analysis.model.data.tables import ContactTable, Data
 from analysis.model.predict.start import LEAST_FOR_A_LINE, first_states
-from analysis.motion.tears import BEYOND, MOST_SIGMAS, WINDOW, torn
+from analysis.motion.tears import BEYOND, label_side
 from analysis.schema.verdict import TornTrack
 
 STRONG_DRAG = 1.0
@@ -62,32 +62,21 @@ def without_torn_tracks(data: PoseData) -> PoseData:
     )
 
 
-def _bent(data: PoseData, tau: Floats, straight: Floats) -> float:
-    """Return by how much the air may bend the stretch that predicts a frame, m.
-
-    A ball flies longer and faster than what two tubes launch. It counts as an error.
-    """
-    if len(tau) < LEAST_LEFT:
-        return 0.0
-    body, frame = data.bodies[0], float(np.median(np.abs(np.diff(tau))))
-    speeds = np.linalg.norm(np.diff(straight, axis=0), axis=1) / np.abs(np.diff(tau))
-    fastest = float(np.median(speeds)) + data.gravity * float(np.ptp(tau))
-    area = np.pi * body.radius**2
-    drag = STRONG_DRAG * data.air_density * area / (2 * body.mass) * fastest**2
-    return float(0.5 * drag * (WINDOW * frame) ** 2 / MOST_SIGMAS)
-
-
 def _beyond(
     data: PoseData, shot: int, sphere: int, frames: NDArray[np.intp], contact: int
 ) -> NDArray[np.bool_]:
     """Return which frames of one side, from the contact outward, lie beyond a tear."""
     tau = data.times_s[shot, frames] - data.times_s[shot, contact]
-    sigma = np.ascontiguousarray(data.position_sigma[shot, frames, sphere])
-    straight = np.where(np.isfinite(sigma), data.position[shot, frames, sphere], 0.0)
-    straight[:, 0] -= 0.5 * data.gravity * tau**2
-    if data.on_plate:
-        sigma = sigma + _bent(data, tau, straight)
-    beyond = np.asarray(torn(tau, straight, sigma) == BEYOND)
+    body = data.bodies[sphere]
+    slows = STRONG_DRAG * data.air_density * np.pi * body.radius**2 / (2 * body.mass)
+    labels = label_side(
+        tau,
+        data.position[shot, frames, sphere],
+        data.position_sigma[shot, frames, sphere],
+        gravity=data.gravity,
+        slows_per_m=slows,
+    )
+    beyond = np.asarray(labels == BEYOND)
     left = int((~beyond).sum())
     if left < LEAST_LEFT and beyond.sum() > MOST_CUT * len(beyond):
         return np.zeros_like(beyond)

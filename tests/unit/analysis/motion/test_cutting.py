@@ -119,3 +119,20 @@ def test_frames_in_a_row_share_a_line():
         "frames 4–5, 7 left out for sphere a: dark",
         "frame 8 left out for sphere a: torn",
     )
+
+
+def test_beads_that_the_air_slows_by_a_tenth_keep_their_flights():
+    """Of 1.7 mm, 8 radii from frame to frame: v = V / (1 + k V t), placed to 0.7 micrometres."""
+    rate_hz, diameter_m, slows_per_m, speed = 250.0, 1.7e-3, 0.165, 1.75
+    times_s = np.arange(20) / rate_hz
+    contact_s, sigma_m = 9.97 / rate_hz, 0.7e-6
+    late = times_s - contact_s
+    paths = []
+    for side, seed in ((-1.0, 1), (1.0, 2)):
+        way = np.sign(late) * np.log1p(slows_per_m * speed * np.abs(late)) / slows_per_m
+        coming = -np.log1p(-slows_per_m * speed * np.minimum(-late, 0.3)) / slows_per_m
+        y = side * (diameter_m / 2 + np.where(late < 0, coming, 0.7 * way))
+        noise = sigma_m * np.random.default_rng(seed).normal(size=(20, 3))
+        position = np.stack([0.5 * GRAVITY * times_s**2, y, 0.0 * y], axis=1) + noise
+        paths.append(Centres(np.arange(20), position, np.full((20, 3), sigma_m)))
+    assert cut_tears((paths[0], paths[1]), times_s, GRAVITY, diameter_m) == ({}, {})
