@@ -3,6 +3,7 @@ PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/ready
+COMPILED := $(VENV)/compiled
 LOADED := $(VENV)/tests-loaded
 
 # Hundreds of processes are started by tests: each would compile our sources again.
@@ -10,15 +11,17 @@ unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: demo test test-long test-kernel lint types contracts check wheel wheel-installed wheel-extra lock bill clean
 
-demo: $(READY)
+demo: $(COMPILED)
 	$(BIN)/rigctl demo
 
-test: $(READY) $(LOADED)
+test: $(COMPILED) $(LOADED)
 	$(BIN)/python -m pytest -n 4 --dist worksteal
 
-# Of the files that hold long tests alone: each process loads all that it is given.
-test-long: $(READY) $(LOADED)
-	$(BIN)/python -m pytest -n 3 --dist worksteal -m long $$(grep -rl --include='test_*.py' 'mark\.long' tests)
+# Of the files that hold long tests alone: each process loads all that it is given. A process that
+# is free takes the next file: none is left with minutes of tests that it cannot give away, and what
+# the tests of a file share is made once.
+test-long: $(COMPILED) $(LOADED)
+	$(BIN)/python -m pytest -n 3 --dist loadfile --no-loadscope-reorder -m long $$(grep -rl --include='test_*.py' 'mark\.long' tests)
 
 # Drivers on a real kernel, in a virtual machine; skipped with the reason where it cannot be had.
 test-kernel: $(READY)
@@ -43,7 +46,10 @@ $(READY): requirements.lock pyproject.toml
 	# On all cores, where pip takes one. Packages hold templates that are no Python.
 	-$(BIN)/python -m compileall -qq -j 0 $(VENV)/lib
 	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation -e .
-	# Two processes, some 115 s each, once: no first shot waits for the compiler.
+	touch $@
+
+# Two processes, some 115 s, once: no first shot waits for the compiler.
+$(COMPILED): $(READY)
 	$(BIN)/rigctl precompile
 	touch $@
 
