@@ -185,16 +185,20 @@ def npy(header: str, content: bytes = b"") -> Callable[[Path], Path]:
     return write
 
 
-def text(name: str, content: str) -> Callable[[Path], Path]:
+Content = str | Callable[[], str]
+"""Of a file; what is large is made when it is written: each process that runs tests loads this."""
+
+
+def text(name: str, content: Content) -> Callable[[Path], Path]:
     def write(folder: Path) -> Path:
         path = folder / name
-        path.write_text(content)
+        path.write_text(content if isinstance(content, str) else content())
         return path
 
     return write
 
 
-def times(content: str) -> Callable[[Path], Path]:
+def times(content: Content) -> Callable[[Path], Path]:
     """Return what writes frames with such a JSON beside them, and names the JSON."""
 
     def write(folder: Path) -> Path:
@@ -243,19 +247,25 @@ HOSTILE: dict[str, tuple[Callable[[Path], Path], str]] = {
     "a TOML number of 5000 hexadecimal digits": (
         text("campaign.toml", "format = 0x" + "f" * 5000), "does not fit into 64 bits"
     ),
-    "TOML of 100 MB": (text("campaign.toml", "a = 1\n" * 16_000_000), "more than 256000 bytes"),
+    "TOML of 100 MB": (
+        text("campaign.toml", lambda: "a = 1\n" * 16_000_000), "more than 256000 bytes"
+    ),
     "JSON lists within lists": (times("[" * 100_000), "nested beyond 64 levels"),
     "JSON objects within objects": (times('{"a":' * 500 + "1" + "}" * 500), "beyond 64 levels"),
     "a JSON number of 4000 digits": (times(f'{{"times_s": [{"9" * 4000}]}}'), "64 bits"),
     "a JSON number of 5000 digits": (times(f'{{"times_s": [{"9" * 5000}]}}'), "not JSON"),
-    "JSON of 70 MB": (times("[" + "[]," * 23_000_000 + "[]]"), "more than 16000000 bytes"),
+    "JSON of 70 MB": (
+        times(lambda: "[" + "[]," * 23_000_000 + "[]]"), "more than 16000000 bytes"
+    ),
     "a shot number of 5000 digits": (
         text("shots.csv", f"shot\n{'9' * 5000}\n"), "has 5000 digits, allowed are 15"
     ),
     "a pose of shot 10^20": (
         text("poses.csv", f"{POSES}\n{10**20},0,0,a{',' * 11}\n"), "has 21 digits, allowed are 15"
     ),
-    "a line of 100 MB": (text("shots.csv", "shot" + "," * 10**8), "more than 1000000 characters"),
+    "a line of 100 MB": (
+        text("shots.csv", lambda: "shot" + "," * 10**8), "more than 1000000 characters"
+    ),
     "100 000 columns of one name": (text("shots.csv", "shot" + ",x" * 10**5), "more than once"),
 }  # fmt: skip
 

@@ -1,4 +1,5 @@
 import math
+from functools import cache
 
 import numpy as np
 from drawings import SETTINGS
@@ -6,7 +7,7 @@ from found import At, discs_at
 from one_frame import fit_outline
 from rendered import OPTICS, RADIUS_PX, picture, setup_of
 
-from analysis.imaging.edge.frame import find_edges
+from analysis.imaging.edge.frame import FrameEdges, find_edges
 from analysis.imaging.film_discs import FilmDiscs
 from analysis.imaging.film_following import FilmCurves
 from analysis.imaging.radii import Appearance, refine_outlines
@@ -20,7 +21,12 @@ A, B = np.array([0.0012, -0.0203, 0.0018]), np.array([0.0008, 0.0211, -0.0009])
 ANGLES = (0.3, 2.2, 3.9)
 LIMB = np.array([[math.cos(a), math.sin(a), 0.1] for a in ANGLES])
 LIMB /= np.linalg.norm(LIMB, axis=1, keepdims=True)
-EDGES = [find_edges(picture(A, B, LIMB, seed=k), SETTINGS, 4.0) for k in range(4)]
+
+
+@cache
+def edges() -> list[FrameEdges]:
+    """Return the edges of four frames, found once: not by each process that loads this."""
+    return [find_edges(picture(A, B, LIMB, seed=k), SETTINGS, 4.0) for k in range(4)]
 
 
 def true_place(centre: np.ndarray) -> tuple[float, float]:
@@ -29,16 +35,16 @@ def true_place(centre: np.ndarray) -> tuple[float, float]:
 
 def film_curves() -> FilmCurves:
     """Return the edges of all frames one after the other."""
-    points = [own.points for own in EDGES]
+    points = [own.points for own in edges()]
     names = "row", "column", "normal_row", "normal_column", "strength"
     filled = np.array([np.concatenate([getattr(p, name) for p in points]) for name in names])
     ends = np.cumsum([len(p) for p in points])
-    labels = np.concatenate([own.labels for own in EDGES])
+    labels = np.concatenate([own.labels for own in edges()])
     return filled, labels, np.stack([ends - [len(p) for p in points], ends], axis=1)
 
 
 def plain_outline(frame: int, centre: np.ndarray) -> At:
-    outline = fit_outline(EDGES[frame].points, (*true_place(centre), RADIUS_PX), (), 3.0)
+    outline = fit_outline(edges()[frame].points, (*true_place(centre), RADIUS_PX), (), 3.0)
     assert outline is not None
     circle = outline.circle
     return At(circle.row, circle.column, circle.radius, outline.coverage)
