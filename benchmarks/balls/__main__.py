@@ -9,7 +9,7 @@ as its middle, as in films that others render: errors by those two are then not 
 With `--as-wide` the camera's look, the ball's way along it, the floor's lean and the drag are drawn
 as wide as `known` takes them to be: pulls of e are then 1 rms where errors are worked out rightly.
 With `--worlds` films are what telephones make of real rooms: H.264, exposure set anew, seams, white
-on bright, hands, shadows.
+on bright, hands, shadows; "nearing" is a ball that comes towards the camera.
 """
 
 from __future__ import annotations

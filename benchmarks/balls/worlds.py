@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from benchmarks.balls.filming import Scene, World
 from benchmarks.balls.scenes import scene
+from benchmarks.balls.tracing import Stage
 
 Floats = NDArray[np.float64]
 
@@ -96,6 +97,22 @@ def _white(drawn: Scene, rng: np.random.Generator) -> tuple[Scene, World]:
     return (stage, drop, camera, frames), _coded(rng)
 
 
+def _from_above(stage: Stage, look: float) -> Stage:
+    """Let the camera look down more steeply at the same row of the floor."""
+    higher = -stage.eye[2] * (np.tan(look) - np.tan(stage.look_down))
+    eye = stage.eye + np.array([0.0, higher, 0.0])
+    return replace(stage, eye=eye, look_down=look)
+
+
+def _nearing(drawn: Scene, rng: np.random.Generator) -> tuple[Scene, World]:
+    """Let the ball come nearer far faster than it crosses the picture, filmed from above."""
+    stage, drop, camera, frames = drawn
+    speed = drop.speed.copy()
+    speed[2] = -rng.uniform(0.25, 0.45)
+    stage = _from_above(stage, rng.uniform(0.12, 0.25))
+    return (stage, replace(drop, speed=speed), camera, frames), _coded(rng)
+
+
 def _two_grounds(drawn: Scene, rng: np.random.Generator) -> tuple[Scene, World]:
     """Let the ball fly before a wall as bright as it is, and bounce before a dark table."""
     stage, drop, camera, frames = drawn
@@ -104,17 +121,13 @@ def _two_grounds(drawn: Scene, rng: np.random.Generator) -> tuple[Scene, World]:
     if rng.random() < 0.4:
         ball *= np.array([1.0, rng.uniform(0.35, 0.45), rng.uniform(0.03, 0.08)])
     floor = rng.uniform(0.06, 0.2) * np.array([1.0, rng.uniform(0.6, 0.9), rng.uniform(0.4, 0.8)])
-    look = rng.uniform(0.12, 0.25)
-    higher = -stage.eye[2] * (np.tan(look) - np.tan(stage.look_down))
     stage = replace(
-        stage,
+        _from_above(stage, rng.uniform(0.12, 0.25)),
         ball=ball,
         wall=tone,
         wall_other=0.97 * tone,
         floor=floor,
         boxes=np.zeros((0, 7)),
-        eye=stage.eye + np.array([0.0, higher, 0.0]),
-        look_down=look,
         wall_z=rng.uniform(2.0, 4.0) * drop.diameter,
     )
     return (stage, drop, camera, frames), _coded(rng)
@@ -168,6 +181,7 @@ WORLDS = {
     "shadows": _shadowed,
     "two grounds": _two_grounds,
     "spotted": _spotted,
+    "nearing": _nearing,
 }
 
 

@@ -11,7 +11,6 @@ import numpy as np
 from analysis.arrays import Floats
 from analysis.balls.films.film import Film, FilmHead
 from analysis.balls.flight import path
-from analysis.balls.flight.fit import fit_flights
 from analysis.balls.flight.flights import Flights
 from analysis.balls.flight.kinds import told_drag
 from analysis.balls.flight.known import Ball, Known, View
@@ -25,7 +24,7 @@ from analysis.balls.seen.arcs import Chain
 from analysis.balls.seen.looks import Looks
 from analysis.balls.seen.placing import Placed, Placer
 from analysis.balls.seen.windows import Motion, Seen, Window, cut_windows
-from analysis.balls.settling import Fit, by_outline, by_sizes, last_change, observed_of
+from analysis.balls.settling import Fit, by_outline, by_sizes, flights_of, last_change
 from analysis.balls.surfaces import Part, parts
 from analysis.balls.systematics import (
     ByRadius,
@@ -239,8 +238,8 @@ def _at_surface(
     for repeat in range(MOST_REPEATS if len(chain.times_s) else 0):
         view = _view(film.head, period, placer.exposure_s)
         known = Known(ball, view, looks.radius_px, looks.radius_sigma_px, drag)
-        observed = observed_of(placed, times_s, of_radius, sized=not known.misled_by_sizes)
-        fitted = fit_flights(observed, start, known, flights)
+        where, guess = (own, motion, row_time), (start, known, flights)
+        observed, fitted = flights_of(placer, where, (placed, of_radius), times_s, guess)
         if fitted is None or _lost(fitted, flights) or fitted.at_no_wall:
             break
         flights, told_by, earlier = fitted, placed, told_by

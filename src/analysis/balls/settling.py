@@ -13,7 +13,7 @@ from analysis.balls.flight.flights import Flights, Observed, Start
 from analysis.balls.flight.known import Known
 from analysis.balls.seen.placing import Placed, Placer
 from analysis.balls.seen.windows import Motion, Window
-from analysis.balls.systematics import ByRadius
+from analysis.balls.systematics import ByRadius, by_radius
 
 LEAST_SIGMA = 0.3
 """Of the median stated error: no frame counts for more."""
@@ -41,6 +41,42 @@ def observed_of(
     # As if all had been fitted with one radius: what another does to places is in the flights' fit.
     places = placed.places - own.shifts * placed.larger[:, None]
     return replace(plain, places=places, leans=own.shifts, sizes=own.sizes if sized else None)
+
+
+def flights_of(
+    placer: Placer,
+    seen: tuple[list[Window], Motion, float],
+    placed: tuple[Placed, ByRadius | None],
+    times_s: Floats,
+    before: tuple[Start, Known, Flights | None],
+) -> tuple[Observed, Flights | None]:
+    """Return places, and the flights that are fitted to them.
+
+    Before the ball's light is learned, sizes are crude as well, and do not count, unless bounces
+    are lost without them: those of a ball that comes nearer sink in the picture of a camera that
+    looks down.
+
+    Parameters
+    ----------
+    seen
+        Windows, where the ball is in them, and the time from row to row.
+    placed
+        Places, and what the radius does to them; None: the ball's light is not learned yet.
+    before
+        A first guess of the bounces, what is known of them, and the flights of an earlier pass.
+    """
+    (start, known, flights), (own, of_radius) = before, placed
+    sized = not known.misled_by_sizes
+    observed = observed_of(own, times_s, of_radius, sized=sized)
+    fitted = fit_flights(observed, start, known, flights)
+    bounces = 0 if fitted is None else fitted.bounces
+    if of_radius is not None or not sized or bounces == len(start.times_s):
+        return observed, fitted
+    of_sizes = observed_of(own, times_s, by_radius(placer, seen, own))
+    other = fit_flights(of_sizes, start, known)
+    if other is None or other.bounces <= bounces:
+        return observed, fitted
+    return of_sizes, other
 
 
 def last_change(coefficients: Sequence[Floats]) -> Floats:

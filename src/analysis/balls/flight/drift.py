@@ -56,14 +56,25 @@ class Drift:
         sigma
             Standard error of that rate before sizes are known, distances of the camera a second.
         """
+        rate, precision = self._as_one()
+        both = precision + sigma**-2
+        return float(np.hypot(rate * precision / both, both**-0.5))
+
+    def one_rate(self) -> tuple[float, float]:
+        """Return the drift as one rate for all flights, by sizes alone, and its standard error."""
+        rate, precision = self._as_one()
+        return rate, precision**-0.5 if precision > 0.0 else np.inf
+
+    def _as_one(self) -> tuple[float, float]:
+        """Return the same and the inverse square of the error; 0 and 0 where sizes say nothing."""
         own = self.weights[:, :-1].sum(axis=1)
         # The perspective is not known here: its part of the equations is taken out.
         other = self.weights[:, -1]
         share = float(other @ other)
         if share > 0.0:
             own = own - other * float(other @ own) / share
-        precision = float(own @ own) + sigma**-2
-        return float(np.hypot(own @ self.target / precision, precision**-0.5))
+        precision = float(own @ own)
+        return (float(own @ self.target) / precision if precision > 0.0 else 0.0), precision
 
 
 def drift(observed: Observed, bounces_s: Floats, clear: NDArray[np.bool_], known: Known) -> Drift:
@@ -87,7 +98,9 @@ def drift(observed: Observed, bounces_s: Floats, clear: NDArray[np.bool_], known
     shown = clear & np.isfinite(observed.sizes).all(axis=1)
     if shown.sum() < LEAST_FRAMES:
         return nothing
-    sizes, sigmas = observed.sizes[shown].T
+    larger, sigmas = observed.sizes[shown].T
+    # A ball that comes near grows the faster, at a distance that changes evenly.
+    sizes, sigmas = 1.0 - 1.0 / (1.0 + larger), sigmas / (1.0 + larger) ** 2
     radius = known.radius_px
     design = _design(observed.times_s[shown], observed.places[shown] / radius, bounces_s)
     beside = np.zeros(design.shape[1])

@@ -111,8 +111,9 @@ def _fit(
     observed: Observed, start: Start, known: Known, before: Flights | None, *, other_falls: bool
 ) -> Flights | None:
     """Fit flights to bounces of a plate that lies as it is said to."""
+    flown = 0.0
     while len(start.times_s) and len(observed.places):
-        problem = Problem(observed, start, known)
+        problem = Problem(observed, start, known, flown)
         again = before is not None and before.bounces == problem.bounces
         first = problem.begin
         if before is not None and again:
@@ -121,12 +122,15 @@ def _fit(
         if fitted is not None and again and _ran_off(fitted):
             problem.begin = first
             fitted = min(fitted, _settle(problem, again=False), key=rms_in_errors)
+        if fitted is not None and not again and problem.begin_receding is not None:
+            fitted = _or_receding(problem, fitted, problem.begin_receding)
         # A fit that a wrong fall holds far from the places shows no contradiction.
         lost = fitted is not None and _astray(fitted)
         if fitted is None or (lost and other_falls) or (fitted.contradiction and not lost):
             fitted = _by_fall(problem, again=again)
         if problem.contradicts_sizes(fitted):
             observed, before = replace(observed, sizes=None), None
+            flown = float(fitted.values[path.DEPTH])
             continue
         kept = fitted.longest_chain(problem.high(fitted))
         if len(kept) == fitted.bounces + 1:
@@ -136,6 +140,23 @@ def _fit(
         observed = observed.of(own & ~_at_lost_bounces(problem, fitted, kept))
         start = start.of(slice(kept[0], kept[-1]) if kept else slice(0, 0))
     return None
+
+
+def _or_receding(problem: Problem, fitted: Flights, begin: Floats) -> Flights:
+    """Return a fit, or the one that begins with the drift that is shown, if it holds more.
+
+    What else is tried begins there too then.
+    """
+    first, problem.begin = problem.begin, begin
+    other = _settle(problem, again=False)
+
+    def holds(each: Flights) -> tuple[int, float]:
+        return len(each.longest_chain(problem.high(each))), -rms_in_errors(each)
+
+    if holds(other) > holds(fitted):
+        return other
+    problem.begin = first
+    return fitted
 
 
 def _at_lost_bounces(problem: Problem, fitted: Flights, kept: list[int]) -> NDArray[np.bool_]:

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.arrays import Floats
 from analysis.balls.flight import path
-from analysis.balls.flight.drift import drift
-from analysis.balls.flight.flights import LEAST_PLACES, Flights, Ints, Observed, Start
+from analysis.balls.flight.beginning import first_numbers, off_contacts, receding
+from analysis.balls.flight.drift import Drift, drift
+from analysis.balls.flight.flights import Flights, Ints, Observed, Start
 from analysis.balls.flight.kinds import contact_time
 from analysis.balls.flight.known import (
     BARREL_SIGMA,
@@ -93,52 +93,45 @@ def _beside(start: Start) -> tuple[Floats, Floats]:
 class Problem:
     """The fit's numbers, what they are about, and how places follow from them."""
 
-    def __init__(self, observed: Observed, start: Start, known: Known) -> None:
+    def __init__(self, observed: Observed, start: Start, known: Known, flown: float = 0.0) -> None:
+        """Set up the fit.
+
+        Parameters
+        ----------
+        flown
+            Drift, in distances of the camera a second, of flights that were fitted with sizes which
+            they contradict: it is known to be no larger than that, and sizes no longer count.
+        """
         ball, view = known.ball, known.view
         self.observed, self.view, self.ball, self.start = observed, view, ball, start
         self.bounces, beside = len(start.times_s), _beside(start)
         self.scale, self.scale_sigma = known.scale()
-        drag, drag_spread = known.drag or ball.drag_per_m()
-        row_time, row_sigma = view.row_time()
-        count = path.COMMON + path.EACH * self.bounces
-        self.prior, self.prior_sigma = np.zeros(count), np.full(count, np.inf)
-
-        def know(index: int, value: float, sigma: float) -> None:
-            self.prior[index], self.prior_sigma[index] = value, sigma
-
-        know(path.FALL, math.log(ball.gravity * self.scale), self.scale_sigma)
-        know(path.DRAG, math.log(drag / self.scale), drag_spread)
-        know(path.ROW_TIME, row_time, row_sigma)
         per_focal = view.per_focal(self.scale)
-        know(path.PERSPECTIVE, 0.0, LOOK_SIGMA * per_focal)
-        know(path.ROLL, 0.0, ROLL_SIGMA)
-        know(path.STAY, *contact_time(ball))
-        know(path.SHORTENING, SHORTENING, SHORTENING_SIGMA)
-        for index, middle in zip(path.PRINCIPAL, view.principal(), strict=True):
-            know(index, middle, 0.0)
-        know(path.HALF, 0.5 * (max(view.height, view.width) - 1), 0.0)
-        know(path.BIAS, 0.0, SMEAR_SIGMA * view.exposure_s)
-        know(path.BARREL, 0.0, BARREL_SIGMA)
-        know(path.ASLANT, *view.aslant(self.scale))
-        know(path.OUTLINE, 0.0, known.outline_sigma() if observed.leans is not None else 0.0)
-        receding = view.receding_sigma(*beside, per_focal)
+        self._know_beforehand(known, per_focal)
+        drifts = view.receding_sigma(*beside, per_focal)
         if observed.bare:
-            receding *= BARE_SHARE
-        know(path.DEPTH, 0.0, receding)
-        self.begin = self._begin(self._off_contacts(start) if self.sees_contacts else start)
+            drifts *= BARE_SHARE
+        begin = start
+        if self.sees_contacts:
+            fall = math.exp(self.prior[path.FALL]) if start.fall is None else start.fall
+            begin = off_contacts(observed, start, fall, self.longest_contact_s)
+        self.begin = first_numbers(begin, self.prior)
         self.plate, self.radius_px = np.median(start.places, axis=0), known.radius_px
-        high = ~self.near(observed.places)
-        by_sizes = drift(observed, start.times_s, high, known)
-        told = self._told(count)
-        kicks = view.receding_by_spin(*beside, per_focal)
-        gains = np.hypot(GAIN_SIGMA * by_sizes.of_all_flights(receding), kicks)
-        by_friction = (told[1:-1] - (1.0 - GAIN_SHARE) * told[:-2]) / gains[:, None]
-        self.drifts = np.vstack([by_sizes.weights @ told, by_friction])
-        self.drifts_target = np.concatenate([by_sizes.target, np.zeros(self.bounces)])
+        by_sizes = drift(observed, start.times_s, ~self.near(observed.places), known)
+        # Directions are by chance: a ball may come nearer far faster than it crosses the picture,
+        # rarely, but no more so the faster it does. What is shown beyond its error is believed.
+        rate, off = (flown, 0.0) if flown else by_sizes.one_rate()
+        shown = abs(rate) > max(drifts, MOST_SIGMAS * off)
+        self.likeliest, spread = aslant = view.aslant(self.scale)
+        self.begin_receding = receding(self.begin, start, rate, aslant) if shown else None
+        drifts = math.sqrt(drifts**2 + max(0.0, rate**2 - off**2))
+        self._know(path.DEPTH, 0.0, drifts)
+        by_friction_alone = GAIN_SIGMA * by_sizes.of_all_flights(drifts)
+        gains = np.hypot(by_friction_alone, view.receding_by_spin(*beside, per_focal))
+        by_friction = self._of_drifts(by_sizes, gains)
         # As they would be at the likeliest focal length; errors hold that it is not known.
-        self.likeliest, spread = view.aslant(self.scale)
-        tilt, speed = np.zeros(count), np.zeros(count)
-        tilt[path.PERSPECTIVE], speed[path.DEPTH] = 1.0 / (LOOK_SIGMA * per_focal), 1.0 / receding
+        tilt, speed = np.zeros((2, len(self.prior)))
+        tilt[path.PERSPECTIVE], speed[path.DEPTH] = 1.0 / (LOOK_SIGMA * per_focal), 1.0 / drifts
         # Friction takes a share of a drift, which may itself be as large as is believed.
         by_share = by_friction / MOST_SIGMAS
         self.far = np.vstack([tilt, speed, by_share]) * math.exp(0.25 * spread**2)
@@ -150,6 +143,33 @@ class Problem:
         self.prior_sigma[unknown] = FURTHEST_UNITS * self.units[unknown]
         self.free = self.prior_sigma > 0
         self.exposure = view.exposure_s
+
+    def _know(self, index: int, value: float, sigma: float) -> None:
+        self.prior[index], self.prior_sigma[index] = value, sigma
+
+    def _know_beforehand(self, known: Known, per_focal: float) -> None:
+        """Set what is known of the numbers, but for how the ball drifts."""
+        ball, view = known.ball, known.view
+        drag, drag_spread = known.drag or ball.drag_per_m()
+        row_time, row_sigma = view.row_time()
+        count = path.COMMON + path.EACH * self.bounces
+        self.prior, self.prior_sigma = np.zeros(count), np.full(count, np.inf)
+        self._know(path.FALL, math.log(ball.gravity * self.scale), self.scale_sigma)
+        self._know(path.DRAG, math.log(drag / self.scale), drag_spread)
+        self._know(path.ROW_TIME, row_time, row_sigma)
+        self._know(path.PERSPECTIVE, 0.0, LOOK_SIGMA * per_focal)
+        self._know(path.ROLL, 0.0, ROLL_SIGMA)
+        self._know(path.STAY, *contact_time(ball))
+        self._know(path.SHORTENING, SHORTENING, SHORTENING_SIGMA)
+        for index, middle in zip(path.PRINCIPAL, view.principal(), strict=True):
+            self._know(index, middle, 0.0)
+        self._know(path.HALF, 0.5 * (max(view.height, view.width) - 1), 0.0)
+        self._know(path.BIAS, 0.0, SMEAR_SIGMA * view.exposure_s)
+        self._know(path.BARREL, 0.0, BARREL_SIGMA)
+        self._know(path.ASLANT, *view.aslant(self.scale))
+        self._know(
+            path.OUTLINE, 0.0, known.outline_sigma() if self.observed.leans is not None else 0.0
+        )
 
     @property
     def sees_contacts(self) -> bool:
@@ -188,6 +208,14 @@ class Problem:
         off = self.drifts[said] @ self.logarithmic(flights.values) - self.drifts_target[said]
         return self.view.compressed and bool(np.abs(off).max(initial=0.0) > SIZES_OFF)
 
+    def _of_drifts(self, by_sizes: Drift, gains: Floats) -> Floats:
+        """Set what sizes and friction say of drifts; return what friction does, shape (B, P)."""
+        told = self._told(len(self.prior))
+        by_friction = (told[1:-1] - (1.0 - GAIN_SHARE) * told[:-2]) / gains[:, None]
+        self.drifts = np.vstack([by_sizes.weights @ told, by_friction])
+        self.drifts_target = np.concatenate([by_sizes.target, np.zeros(self.bounces)])
+        return np.asarray(by_friction)
+
     def _told(self, count: int) -> Floats:
         """Return derivatives of the flights' drifts and of the perspective, shape (B + 2, P)."""
         told = np.zeros((self.bounces + 2, count))
@@ -196,44 +224,6 @@ class Problem:
             told[k + 1 : -1, path.COMMON + path.EACH * k + 2] = 1.0
         told[-1, path.PERSPECTIVE] = 1.0
         return told
-
-    def _off_contacts(self, start: Start) -> Start:
-        """Return the same bounces with speeds by places that are off any contact that may be.
-
-        Speeds that a search finds are those of frames beside a bounce, in which a fast camera shows
-        the ball in contact.
-        """
-        far = self.longest_contact_s
-        fall = math.exp(self.prior[path.FALL]) if start.fall is None else start.fall
-        speeds = np.stack([start.before, start.after])
-        ends = np.concatenate([[-np.inf], start.times_s, [np.inf]])
-        times = self.observed.times_s
-        for k, contact in enumerate(start.times_s):
-            for side, (begin, end) in enumerate(((ends[k], contact), (contact, ends[k + 2]))):
-                own = (times > begin + far) & (times < end - far)
-                if own.sum() < LEAST_PLACES:
-                    continue
-                since = times[own] - contact
-                flown = self.observed.places[own] - 0.5 * np.outer(since**2, [fall, 0.0])
-                design = np.stack([np.ones(len(since)), since], axis=1)
-                speeds[side, k] = np.linalg.lstsq(design, flown, rcond=None)[0][1]
-        return replace(start, before=speeds[0], after=speeds[1])
-
-    def _begin(self, start: Start) -> Floats:
-        values = np.where(np.isfinite(self.prior), self.prior, 0.0)
-        if start.fall is not None:
-            values[path.FALL] = math.log(start.fall)
-        values[path.TIME] = start.times_s[0]
-        values[path.TILT] = self.start.lean
-        least = -np.inf if self.start.lean else 1e-3
-        values[path.SPEED] = max(least, start.before[0, 0])
-        values[path.PLACE] = start.places[0, 1] - self.prior[path.MIDDLE_COLUMN]
-        values[path.ACROSS] = start.before[0, 1]
-        values[path.PLATE] = float(np.median(start.places[:, 0]))
-        for k in range(self.bounces):
-            own = path.COMMON + path.EACH * k
-            values[own : own + 2] = max(least, -start.after[k, 0]), start.after[k, 1]
-        return values
 
     def _units(self) -> Floats:
         speed = max(
