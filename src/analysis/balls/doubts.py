@@ -10,7 +10,8 @@ import numpy as np
 from analysis.arrays import Floats
 from analysis.balls.flight import path
 from analysis.balls.flight.flights import LARGE_CHI2, Flights
-from analysis.balls.flight.lost import MOST_E, MOST_SCATTER_PX
+from analysis.balls.flight.lost import MOST_SCATTER_PX
+from analysis.balls.flight.suspects import MOST_E
 from analysis.balls.gaps import period_of
 from analysis.balls.measuring import MeasuredBall, coefficient
 from analysis.quantity import Quantity

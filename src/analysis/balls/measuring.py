@@ -189,7 +189,7 @@ def _gap(measured: MeasuredBall, fits: Sequence[Fit]) -> tuple[Gap | None, Float
         return None, measured.unsure_e
     found = find_gap(*fits[-1])
     gap = found.gap
-    if gap is None and measured.bounces < len(measured.chain.times_s):
+    if gap is None and len(fits) > 1 and measured.bounces < len(measured.chain.times_s):
         gap = find_gap(*fits[0]).gap
     return gap, np.maximum(measured.unsure_e, found.unsure_e)
 

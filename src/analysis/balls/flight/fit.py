@@ -22,7 +22,7 @@ from analysis.balls.flight.flights import (
 )
 from analysis.balls.flight.known import Known
 from analysis.balls.flight.problem import Problem
-from analysis.balls.flight.solving import solve
+from analysis.balls.flight.solving import Chosen, solve
 
 ROUNDS, AGAIN = 6, 3
 """Of fits with outliers taken out between them: from a first guess, and from a fit before."""
@@ -125,7 +125,7 @@ def _fit(
         if fitted is not None and not again and problem.begin_receding is not None:
             fitted = _or_receding(problem, fitted, problem.begin_receding)
         # A fit that a wrong fall holds far from the places shows no contradiction.
-        lost = fitted is not None and _astray(fitted)
+        lost = fitted is not None and is_astray(fitted)
         if fitted is None or (lost and other_falls) or (fitted.contradiction and not lost):
             fitted = _by_fall(problem, again=again)
         if problem.contradicts_sizes(fitted):
@@ -181,7 +181,7 @@ def _by_fall(problem: Problem, *, again: bool) -> Flights:
     problem.prior_sigma[path.FALL] = OPEN
     fitted = _settle(problem, again=again)
     for share in OTHER_FALLS:
-        if not _astray(fitted):
+        if not is_astray(fitted):
             break
         problem.begin = begin.copy()
         problem.begin[path.FALL] += math.log(share)
@@ -193,7 +193,7 @@ def _by_fall(problem: Problem, *, again: bool) -> Flights:
     return _settle(problem, again=True)
 
 
-def _astray(fitted: Flights) -> bool:
+def is_astray(fitted: Flights) -> bool:
     """Return whether a fit has ended far from the places."""
     return fitted.chi2_per_dof > LARGE_CHI2 or not fitted.used.any()
 
@@ -217,13 +217,18 @@ def rms_in_errors(fitted: Flights) -> float:
 
 
 def _settle(problem: Problem, *, again: bool) -> Flights:
+    return described(problem, *settled(problem, range(ROUNDS - AGAIN if again else 0, ROUNDS)))
+
+
+def settled(problem: Problem, rounds: range) -> tuple[Floats, Chosen]:
+    """Return the numbers of a fit after some of its rounds, and which places they are of."""
     values = problem.begin.copy()
     observed = problem.observed
     enlarge = np.ones((len(observed.frames), 2))
     inlier = np.ones(len(observed.frames), dtype=bool)
     arcs, clear = problem.assign(values)
     used = clear
-    for round_ in range(ROUNDS - AGAIN if again else 0, ROUNDS):
+    for round_ in rounds:
         arcs, clear = problem.assign(values)
         clear = _off_contacts(problem, values, arcs, clear)
         used = clear & inlier
@@ -240,7 +245,7 @@ def _settle(problem: Problem, *, again: bool) -> Flights:
         scaled = residuals / observed.sigmas
         enlarge = _spreads(scaled, used, problem.near(found))
         inlier = np.abs(scaled / enlarge).max(axis=1) < OUTLIER
-    return described(problem, values, (arcs, used, enlarge))
+    return values, (arcs, used, enlarge)
 
 
 def _off_contacts(

@@ -74,6 +74,30 @@ def test_once_all_places_lie_on_flights_no_other_gap_is_tried(
     assert last < 5 * NOISE < min(others, default=1.0)
 
 
+def test_a_film_of_no_one_rate_is_fitted_a_stated_number_of_times(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """At half its rate from the middle of a flight on, its times fit with no gap."""
+    whole = parabolas(np.random.default_rng(10))
+    count = len(whole.frames)
+    shown = np.concatenate([np.arange(90), np.arange(90, count, 2)])
+    times = whole.times_s[: len(shown)]
+    uneven = replace(whole.of(shown), frames=np.arange(len(shown)), times_s=times)
+    begun = start()
+    begun = replace(begun, times_s=np.interp(begun.times_s * RATE, shown, times))
+    flights = fit_flights(uneven, begun, known())
+    assert flights is not None
+    tried: list[Observed] = []
+
+    def counted(observed: Observed, *others: Any, **more: Any) -> Flights | None:
+        tried.append(observed)
+        return fit_flights(observed, *others, **more)
+
+    monkeypatch.setattr(lost, "fit_flights", counted)
+    find_gap(uneven, begun, known(), flights)
+    assert len(tried) <= 6
+
+
 def test_no_frames_are_missing_from_a_film_that_is_whole() -> None:
     whole = parabolas(np.random.default_rng(11))
     flights = fit_flights(whole, start(), known())
