@@ -24,6 +24,10 @@ from analysis.balls.gaps import Gap
 
 FIRST_ROUNDS, NEXT_ROUND = range(2), range(1, 2)
 """Of a fit: from the bounces that were seen, and from flights that are fitted."""
+MOST_FARTHER = 2.0
+"""Of a fit without a gap, over one that begins otherwise: from farther off nothing begins."""
+NEARER = 0.9
+"""Of how far places lie without a gap: with one that is worth a whole fit, from bounces."""
 FARTHEST = 1e3
 """Errors from which on a place counts no more than one that lies so far."""
 OF_BOUNCES = [path.TIME, path.SPEED, path.PLACE, path.ACROSS, path.PLATE]
@@ -58,17 +62,24 @@ class Short:
 def nearest_first(gaps: Iterable[Gap], fit: Fit) -> list[tuple[Gap, Short]]:
     """Return the gaps with which short fits come nearer to the places than without; nearest first.
 
-    They begin with the bounces that were seen or with the flights, from whichever one without a gap
-    comes nearer: flights that went astray are no beginning, and long chains are none of bounces
-    that are known to a frame.
+    They begin with the bounces that were seen and with the flights, where one without a gap comes
+    near from there: flights that went astray are no beginning, and long chains are none of bounces
+    that are known to a frame. A fit that begins with bounces has rounds to go.
     """
-    way, whole = min(
-        ((own, own(None)) for own in (partial(_as_seen, fit), partial(_as_fitted, fit))),
-        key=lambda each: each[1].left,
-    )
-    tried = [(gap, way(gap)) for gap in gaps]
-    nearer = [each for each in tried if each[1].left < whole.left]
-    return sorted(nearer, key=lambda each: each[1].left)
+    ways = [(partial(_as_seen, fit), NEARER), (partial(_as_fitted, fit), 1.0)]
+    whole = [way(None).left for way, _ in ways]
+    near = [own <= MOST_FARTHER * min(whole) for own in whole]
+    found: list[tuple[float, Gap, Short]] = []
+    for gap in gaps:
+        tried = [
+            (short.left / own, short)
+            for (way, most), own, begins in zip(ways, whole, near, strict=True)
+            if begins and (short := way(gap)).left < most * own
+        ]
+        if tried:
+            share, short = min(tried, key=lambda each: each[0])
+            found.append((share, gap, short))
+    return [(gap, short) for _, gap, short in sorted(found, key=lambda each: each[0])]
 
 
 def _as_seen(fit: Fit, gap: Gap | None) -> Short:
