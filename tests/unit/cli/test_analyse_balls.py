@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import pytest
 
-from analysis.balls import measuring
+from analysis.balls import settling
 from analysis.balls.flight.fit import fit_flights
 from analysis.balls.flight.flights import Flights, Observed, Start
 from analysis.balls.flight.known import Known
@@ -372,7 +372,7 @@ def test_a_fit_that_goes_astray_late_takes_no_bounces_away(
             start = start.of(slice(-1, None))
         return fit_flights(observed, start, known, before)
 
-    monkeypatch.setattr(measuring, "fit_flights", astray)
+    monkeypatch.setattr(settling, "fit_flights", astray)
     shot = answer(capsys, str(write(tmp_path / "film", bouncing(190))), *SIZE, "--fps", "200")
     assert len(calls) == 3
     assert len(shot["impacts"]) == 2

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis.balls import measuring
+from analysis.balls import settling
 from tests.unit.cli.falling_ball import RATE, Capsys, Drawn, analysed, picture, said
 
 
@@ -45,13 +45,13 @@ def test_what_turns_as_at_a_wall_and_hardly_falls_as_stated_has_no_bounce(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """A hand turns a ball so. One whose fall is surely another one has another diameter."""
-    fit = measuring.fit_flights
+    fit = settling.fit_flights
 
     def falls_otherwise(*asked: Any) -> Any:
         found = fit(*asked)
         third = (found.scale_of_diameter[0] / 3.0, unsure)
         return replace(found, contradiction=True, scale_of_fall=third)
 
-    monkeypatch.setattr(measuring, "fit_flights", falls_otherwise)
+    monkeypatch.setattr(settling, "fit_flights", falls_otherwise)
     shot = analysed(at_a_wall(1, 0.7, 480.0, 2800.0, 0.17), tmp_path, capsys)
     assert len(shot["impacts"]) == bounces
