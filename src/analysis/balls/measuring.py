@@ -240,7 +240,7 @@ def _at_surface(
         known = Known(ball, view, looks.radius_px, looks.radius_sigma_px, drag)
         where, guess = (own, motion, row_time), (start, known, flights)
         observed, fitted = flights_of(placer, where, (placed, of_radius), times_s, guess)
-        if fitted is None or _lost(fitted, flights) or fitted.at_no_wall:
+        if fitted is None or _lost(fitted, flights, looks.radius_px) or fitted.at_no_wall:
             break
         flights, told_by, earlier = fitted, placed, told_by
         drag = told_drag(ball, flights, drag) if ball.density is None else drag
@@ -286,9 +286,13 @@ def _at_surface(
     return measured, [] if start.off_a_wall else fits
 
 
-def _lost(fitted: Flights, before: Flights | None) -> bool:
-    """Return whether a fit holds far fewer places than the one before: it has gone astray."""
-    return before is not None and fitted.used.sum() < LEAST_HELD * before.used.sum()
+def _lost(fitted: Flights, before: Flights | None, radius_px: float) -> bool:
+    """Return whether a fit has gone astray.
+
+    It holds far fewer places than the one before, or they lie further off it than the ball reaches.
+    """
+    far = bool(fitted.residuals[fitted.used, 0].std() > radius_px)
+    return far or (before is not None and fitted.used.sum() < LEAST_HELD * before.used.sum())
 
 
 def _unsure(flights: Flights | None) -> Floats:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -377,3 +379,20 @@ def test_a_fit_that_goes_astray_late_takes_no_bounces_away(
     assert len(calls) == 3
     assert len(shot["impacts"]) == 2
     assert all(abs(each["e"]["value"] - 0.8) < 0.01 for each in shot["impacts"])
+
+
+def test_places_further_off_their_flights_than_the_ball_reaches_have_no_e(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Times that no flight fits leave a fit that goes nowhere near the ball."""
+
+    def far_off(observed: Observed, *asked: Any) -> Flights | None:
+        found = fit_flights(observed, *asked)
+        assert found is not None
+        apart = 30.0 * (-1.0) ** np.arange(len(found.residuals))
+        return replace(found, residuals=found.residuals + apart[:, None])
+
+    monkeypatch.setattr(settling, "fit_flights", far_off)
+    shot = answer(capsys, str(write(tmp_path / "film", bouncing(190))), *SIZE, "--fps", "200")
+    assert shot["impacts"] == []
+    assert any("no bounce" in note for note in shot["notes"])
