@@ -11,6 +11,7 @@ import numpy as np
 from analysis.arrays import Floats
 from analysis.balls.films.film import Film, FilmHead
 from analysis.balls.flight import path
+from analysis.balls.flight.fit import Fit
 from analysis.balls.flight.flights import Flights
 from analysis.balls.flight.kinds import told_drag
 from analysis.balls.flight.known import Ball, Known, View
@@ -19,12 +20,13 @@ from analysis.balls.found import Search
 from analysis.balls.gaps import Gap, mended
 from analysis.balls.hands import free, let_go
 from analysis.balls.looking import Looked
+from analysis.balls.motions import fitted_motion, seen_motion, windows_of
 from analysis.balls.searching import search
 from analysis.balls.seen.arcs import Chain
 from analysis.balls.seen.looks import Looks
 from analysis.balls.seen.placing import Placed, Placer
 from analysis.balls.seen.windows import Motion, Seen, Window, cut_windows
-from analysis.balls.settling import Fit, by_outline, by_sizes, flights_of, last_change
+from analysis.balls.settling import by_outline, by_sizes, flights_of, last_change
 from analysis.balls.surfaces import Part, parts
 from analysis.balls.systematics import (
     ByRadius,
@@ -43,15 +45,9 @@ REPEATS, MOST_REPEATS = 3, 5
 SETTLED_E = 1e-3
 LEAST_HELD = 0.7
 """Of the places that the fit before holds: a fit of fewer has gone astray."""
-NEIGHBOURS = 5
-"""Sightings before and after that tell a speed before any flight is fitted."""
 LEAST_CODEC_E = 5e-4
 """Standard error of e that a codec leaves beside that of the radius: it moves rims by amounts that
 follow the ball's way, which no scatter about flights tells (python -m benchmarks.balls)."""
-SPEED_STEP_S = 1e-4
-NEAREST, MOST_LARGER = 0.1, 0.2
-"""Of a ball's distance, nearer than which no flight brings it, and of its radius, by which it is
-seen larger at most: numbers of a first fit may run beyond."""
 MOST_GAPS = 6
 """Places at which frames are missing; a film with more has no rate."""
 
@@ -218,7 +214,7 @@ def _at_surface(
     looks, chain, times_s = found.looks, found.chain, found.times_s
     start = part.start(found.fall, float(found.fall[0]) if found.contradicts else None)
     period = float(np.median(np.diff(times_s)))
-    motion = _first_motion(chain, found.fall)
+    motion = seen_motion(chain, found.fall)
     placer = Placer.new(looks.radius_px, exposure_s or 0.0, patched=looks.patched)
     longest = period if exposure_s is None else exposure_s
     seen = Seen(found.gains, found.about, found.unexplained)
@@ -249,8 +245,8 @@ def _at_surface(
         settled = last_change(coefficients).max() < SETTLED_E
         if repeat == MOST_REPEATS - 1 or (settled and repeat + 1 >= REPEATS):
             break
-        motion = _fitted_motion(flights)
-        own = _of_motion(windows, motion)
+        motion = fitted_motion(flights)
+        own = windows_of(windows, motion)
         row_time = float(flights.values[path.ROW_TIME])
         if exposure_s is None:
             told = placer.learn_exposure(own, motion, period)
@@ -352,38 +348,6 @@ def _placed(
     sigmas = whole_sigmas(flights, moved)
     placed = replace(own, places=flights.observed.places, sigmas=sigmas)
     return placed, apart_sigmas(flights, moved)
-
-
-def _of_motion(windows: Sequence[Window], motion: Motion) -> list[Window]:
-    known = set(motion.frames.tolist())
-    return [window for window in windows if window.frame in known]
-
-
-def _first_motion(chain: Chain, fall: Floats) -> Motion:
-    """Return places as seen, and speeds from the sightings about each."""
-    frames, places, speeds = [], [], []
-    for arc in chain.arcs:
-        for k, frame in enumerate(arc.frames.tolist()):
-            part = slice(max(0, k - NEIGHBOURS), k + NEIGHBOURS + 1)
-            middle, _, speed = arc.course_of(part, fall)
-            frames.append(frame)
-            places.append(arc.places[k])
-            speeds.append(speed + fall * (arc.times_s[k] - middle))
-    order = np.argsort(frames, kind="stable")
-    frames_, index = np.unique(np.array(frames)[order], return_index=True)
-    return Motion(frames_, np.array(places)[order][index], np.array(speeds)[order][index])
-
-
-def _fitted_motion(flights: Flights) -> Motion:
-    placed = flights.observed
-    times = flights.observed.times_s + flights.row_delay(flights.observed.places)
-    here, ahead, behind = (
-        flights.at(times + step, flights.arcs) for step in (0.0, SPEED_STEP_S, -SPEED_STEP_S)
-    )
-    near = 1.0 / np.maximum(here[:, 2], NEAREST)
-    larger = np.clip(near / np.median(near) - 1.0, -MOST_LARGER, MOST_LARGER)
-    speeds = (ahead - behind)[:, :2] / (2 * SPEED_STEP_S)
-    return Motion(placed.frames, here[:, :2], speeds, larger)
 
 
 def coefficient(measured: MeasuredBall, bounce: int) -> tuple[float, float]:

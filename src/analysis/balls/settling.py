@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from analysis.arrays import Floats
-from analysis.balls.flight.fit import fit_flights
+from analysis.balls.flight.fit import Fit, fit_flights
 from analysis.balls.flight.flights import Flights, Observed, Start
 from analysis.balls.flight.known import Known
 from analysis.balls.seen.placing import Placed, Placer
@@ -17,9 +17,6 @@ from analysis.balls.systematics import ByRadius, by_radius
 
 LEAST_SIGMA = 0.3
 """Of the median stated error: no frame counts for more."""
-
-Fit = tuple[Observed, Start, Known, Flights]
-"""Places, a first guess of bounces and what is known beforehand, and the flights fitted to them."""
 
 
 def observed_of(

@@ -24,6 +24,9 @@ from analysis.balls.flight.known import Known
 from analysis.balls.flight.problem import Problem
 from analysis.balls.flight.solving import Chosen, solve
 
+Fit = tuple[Observed, Start, Known, Flights]
+"""Places, a first guess of bounces and what is known beforehand, and the flights fitted to them."""
+
 ROUNDS, AGAIN = 6, 3
 """Of fits with outliers taken out between them: from a first guess, and from a fit before."""
 OUTLIER = 4.5

@@ -16,9 +16,8 @@ import numpy as np
 
 from analysis.arrays import Floats
 from analysis.balls.flight import path
-from analysis.balls.flight.fit import OPEN, is_astray, settled
+from analysis.balls.flight.fit import OPEN, Fit, is_astray, settled
 from analysis.balls.flight.flights import Flights, Observed, Start
-from analysis.balls.flight.known import Known
 from analysis.balls.flight.problem import Problem
 from analysis.balls.gaps import Gap
 
@@ -32,9 +31,6 @@ FARTHEST = 1e3
 """Errors from which on a place counts no more than one that lies so far."""
 OF_BOUNCES = [path.TIME, path.SPEED, path.PLACE, path.ACROSS, path.PLATE]
 """Numbers that bounces as they were seen say; the others are the camera's and the air's."""
-
-Fit = tuple[Observed, Start, Known, Flights]
-"""What flights were fitted to, and the flights."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
