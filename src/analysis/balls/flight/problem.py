@@ -100,7 +100,7 @@ class Problem:
         ----------
         flown
             Drift, in distances of the camera a second, of flights that were fitted with sizes which
-            they contradict: it is known to be no larger than that, and sizes no longer count.
+            they contradict: one as large is believed, though sizes no longer count. 0: none were.
         """
         ball, view = known.ball, known.view
         self.observed, self.view, self.ball, self.start = observed, view, ball, start
