@@ -113,6 +113,16 @@ def _nearing(drawn: Scene, rng: np.random.Generator) -> tuple[Scene, World]:
     return (stage, replace(drop, speed=speed), camera, frames), _coded(rng)
 
 
+def _leaning(drawn: Scene, rng: np.random.Generator) -> tuple[Scene, World]:
+    """Let the plate lean, and the camera with it: the ball falls aslant in the picture.
+
+    Two bounces show it. Of films with one e is that of a level plate, and off.
+    """
+    stage, drop, camera, frames = drawn
+    lean = float(rng.choice([-1.0, 1.0]) * rng.uniform(0.03, 0.09))
+    return (stage, replace(drop, lean=lean), camera, frames), _coded(rng)
+
+
 def _two_grounds(drawn: Scene, rng: np.random.Generator) -> tuple[Scene, World]:
     """Let the ball fly before a wall as bright as it is, and bounce before a dark table."""
     stage, drop, camera, frames = drawn
@@ -182,6 +192,7 @@ WORLDS = {
     "two grounds": _two_grounds,
     "spotted": _spotted,
     "nearing": _nearing,
+    "leaning": _leaning,
 }
 
 

@@ -14,7 +14,7 @@ from analysis.balls.flight import path
 from analysis.balls.flight.flights import Flights, Ints
 from analysis.balls.flight.known import LOOK_SIGMA
 from analysis.balls.flight.problem import Problem
-from analysis.balls.flight.solving import Chosen, solve
+from analysis.balls.flight.solving import Chosen, off_beliefs, solve
 
 EARLY = 3.0
 """Standard errors of what is known of contacts by which places alone have one end before it has
@@ -90,6 +90,7 @@ def described(problem: Problem, values: Floats, chosen: Chosen) -> Flights:
         covariance=covariance,
         by_rise=rise * pushed,
         known_sigmas=known_sigmas,
+        off_beliefs=float((off_beliefs(problem, values, free) ** 2).sum()),
         early_s=early_s,
         drifts=problem.drifts,
         contacts=contacts,

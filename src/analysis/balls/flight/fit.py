@@ -14,13 +14,13 @@ from analysis.balls.flight.describing import described
 from analysis.balls.flight.flights import (
     LARGE_CHI2,
     LEAST_PLACES,
-    SURE,
     Flights,
     Ints,
     Observed,
     Start,
 )
 from analysis.balls.flight.known import Known
+from analysis.balls.flight.leaning import leaning_start, leans
 from analysis.balls.flight.problem import Problem
 from analysis.balls.flight.solving import Chosen, solve
 
@@ -38,8 +38,6 @@ on a place counts no more than one that lies so far."""
 OTHER_FALLS = (0.5, 2.0)
 """Of the stated one, with which flights that fit none are tried: of a radius that is taken for a
 diameter, or the other way round."""
-ANY_LEAN = 0.5
-"""Standard error of the angle of a plate that may lie in any way, rad."""
 OPEN = 10.0
 """Standard error of a logarithm of which nothing is known."""
 
@@ -78,36 +76,14 @@ def fit_flights(
     -------
     The flights; None where no bounce has enough frames on both sides.
     """
-    leaning = _leaning(start)
+    leaning = leaning_start(start)
     if leaning is not None and (before is None or before.leans):
         own = before if before is not None and before.bounces == len(start.times_s) else None
         found = _fit(observed, leaning, known, own, other_falls=other_falls)
         if found is not None and found.bounces > 1 and found.leans and not found.doubt:
-            return found
+            level = _fit(observed, start, known, None, other_falls=other_falls)
+            return found if level is None or leans(found, level) else level
     return _fit(observed, start, known, before, other_falls=other_falls)
-
-
-def _leaning(start: Start) -> Start | None:
-    """Return bounces that are taken for those off a plate of any slope; None: they lie level."""
-    if start.off_a_wall or len(start.times_s) < 2:
-        return None
-    slope = _slope(start)
-    if abs(slope + _roll(start) - start.lean) < SURE * start.lean_sigma:
-        return None
-    return replace(start, lean=slope, lean_sigma=ANY_LEAN)
-
-
-def _slope(start: Start) -> float:
-    """Return the angle in the picture at which bounces lie beside one another, rad."""
-    rows, columns = (start.places - start.places.mean(axis=0)).T
-    square = float(columns @ columns)
-    return math.atan(float(rows @ columns) / square) if square > 0.0 else 0.0
-
-
-def _roll(start: Start) -> float:
-    """Return the angle in the picture of the fall between bounces, rad."""
-    down, across = (start.before[1:] - start.after[:-1]).sum(axis=0)
-    return math.atan2(across, down)
 
 
 def _fit(

@@ -124,6 +124,8 @@ class Flights:
     known_sigmas
         With which each number is known beforehand: 0 where it is held, very large where nothing is
         known; shape (P,).
+    off_beliefs
+        Sum of the squares, in errors, of what the numbers are off what was known of them.
     early_s
         By how much places alone have contacts end before they have begun, where that is clear;
         else 0.
@@ -163,6 +165,7 @@ class Flights:
     covariance: Floats
     by_rise: Floats
     known_sigmas: Floats
+    off_beliefs: float
     early_s: float
     drifts: Floats
     contacts: Floats

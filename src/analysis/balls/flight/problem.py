@@ -90,6 +90,16 @@ def _beside(start: Start) -> tuple[Floats, Floats]:
     return before, after
 
 
+def _below(observed: Observed, start: Start) -> Floats:
+    """Return where the plate is at the time of each place, shape (N, 2), px: between bounces.
+
+    Those of a ball that comes nearer sink in the picture of a camera that looks down.
+    """
+    return np.column_stack(
+        [np.interp(observed.times_s, start.times_s, places) for places in start.places.T]
+    )
+
+
 class Problem:
     """The fit's numbers, what they are about, and how places follow from them."""
 
@@ -116,7 +126,8 @@ class Problem:
             fall = math.exp(self.prior[path.FALL]) if start.fall is None else start.fall
             begin = off_contacts(observed, start, fall, self.longest_contact_s)
         self.begin = first_numbers(begin, self.prior)
-        self.plate, self.radius_px = np.median(start.places, axis=0), known.radius_px
+        self.plate, self.radius_px = _below(observed, start), known.radius_px
+        self.normal = np.array([-math.cos(start.lean), math.sin(start.lean)])
         by_sizes = drift(observed, start.times_s, ~self.near(observed.places), known)
         # Directions are by chance: a ball may come nearer far faster than it crosses the picture,
         # rarely, but no more so the faster it does. What is shown beyond its error is believed.
@@ -258,15 +269,16 @@ class Problem:
 
     def heights(self, found: Floats) -> Floats:
         """Return how far places lie from the plate along its normal, px, shape (N,)."""
-        normal = np.array([-math.cos(self.start.lean), math.sin(self.start.lean)])
-        return np.asarray((found[:, :2] - self.plate) @ normal)
+        return np.asarray((found[:, :2] - self.plate) @ self.normal)
 
     def high(self, flights: Flights) -> NDArray[np.bool_]:
         """Return which places belong to flights that leave the shadow at the plate."""
         if self.start.off_a_wall:
             return np.ones(len(flights.arcs), dtype=bool)
-        heights = self.heights(flights.observed.places)
-        arcs = flights.arcs
+        heights, arcs = self.heights(flights.observed.places), flights.arcs
+        # A first guess of a bounce may be off by as much as a low flight rises, their middle less.
+        middle = np.median(self.start.places, axis=0)
+        heights += np.maximum(0.0, (self.plate - middle) @ self.normal)
         tops = [heights[arcs == k].max(initial=0.0) for k in range(flights.bounces + 1)]
         return np.asarray(np.array(tops)[arcs] > LOW_RADII * self.radius_px)
 

@@ -61,14 +61,7 @@ def solve(
 
     def residuals(step: Floats) -> Floats:
         moved = at(step)
-        prior = (moved[known] - problem.prior[known]) / problem.prior_sigma[known]
-        lean = (
-            moved[path.LEVEL].sum(keepdims=True) - problem.start.lean
-        ) / problem.start.lean_sigma
-        level = lean if loose[path.LEVEL].all() else prior[:0]
-        apart = drifts @ moved - problem.drifts_target[: len(drifts)]
-        beyond = problem.beyond(moved)[0]
-        every = np.concatenate([own - seen(moved[None])[0], prior, level, apart, beyond])
+        every = np.concatenate([own - seen(moved[None])[0], off_beliefs(problem, moved, loose)])
         return _finite(every, 1e6, 1e6)
 
     def slopes(step: Floats) -> Floats:
@@ -90,6 +83,23 @@ def solve(
         ftol=LOOSE if soft else CLOSE,
     )
     return at(solved.x)
+
+
+def off_beliefs(problem: Problem, values: Floats, loose: NDArray[np.bool_]) -> Floats:
+    """Return by how much the loose numbers are off what is known of them beforehand, in errors."""
+    known = np.isfinite(problem.prior_sigma) & loose
+    prior = (values[known] - problem.prior[known]) / problem.prior_sigma[known]
+    start = problem.start
+    lean = (values[path.LEVEL].sum(keepdims=True) - start.lean) / start.lean_sigma
+    drifts = problem.drifts @ values - problem.drifts_target
+    return np.concatenate(
+        [
+            prior,
+            lean if loose[path.LEVEL].all() else lean[:0],
+            drifts if loose[path.DEPTH] else drifts[:0],
+            problem.beyond(values)[0],
+        ]
+    )
 
 
 def _finite(numbers: Floats, nan: float = 0.0, most: float = np.finfo(float).max) -> Floats:
