@@ -58,12 +58,14 @@ def patient(configuration: Configuration) -> Configuration:
 def patient_text(configuration: str) -> str:
     """Return the text of a configuration that waits for devices as long as a busy machine needs."""
     names = "|".join(LONGEST_S)
-    return re.sub(
+    changed, count = re.subn(
         rf"^({names}) = .*",
         lambda found: f"{found[1]} = {LONGEST_S[found[1]]}",
         configuration,
         flags=re.MULTILINE,
     )
+    assert count
+    return changed
 
 
 def wait_long(monkeypatch: pytest.MonkeyPatch) -> None:
